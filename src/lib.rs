@@ -1,0 +1,6 @@
+//! Warpath: gradients of path-traced images on the CPU, through visibility.
+//!
+//! Data flows one way, and a test holds the modules to it:
+//! `lanes → scene → trace → kernels → warp → paths → gradient → methods → cli`.
+
+pub mod scene;

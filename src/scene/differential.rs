@@ -1,0 +1,60 @@
+//! A tangent or a cotangent of a scene: one number for every number that can move.
+
+use super::{Normals, Rgb, Scene};
+use glam::Vec3;
+
+/// dScene/dθ in forward mode, dLoss/dScene in reverse. What is `None` does not move, or is not asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneDifferential {
+    /// Per mesh, per vertex; world units.
+    pub positions: Vec<Option<Vec<Vec3>>>,
+    /// Per mesh, per vertex: only for meshes with [`Normals::Given`] (others follow their positions).
+    pub given_normals: Vec<Option<Vec<Vec3>>>,
+    /// Per material.
+    pub reflectance: Vec<Option<Rgb>>,
+    /// Per area light.
+    pub radiance: Vec<Option<Rgb>>,
+    pub environment: Option<Rgb>,
+    /// The sensor that renders.
+    pub camera: Option<CameraDifferential>,
+}
+
+/// Motion of the camera that renders.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CameraDifferential {
+    /// World units.
+    pub translation: Vec3,
+    /// Radians about the world axes through the camera's position.
+    pub rotation: Vec3,
+    /// Degrees, as in the file.
+    pub x_fov_deg: f32,
+}
+
+impl SceneDifferential {
+    /// Nothing moves.
+    pub fn none(scene: &Scene) -> Self {
+        Self {
+            positions: vec![None; scene.meshes.len()],
+            given_normals: vec![None; scene.meshes.len()],
+            reflectance: vec![None; scene.materials.len()],
+            radiance: vec![None; scene.area_lights.len()],
+            environment: None,
+            camera: None,
+        }
+    }
+
+    /// Whether anything that shapes visibility moves: vertices or the camera.
+    pub fn moves_geometry(&self) -> bool {
+        self.camera.is_some() || self.positions.iter().any(Option::is_some)
+    }
+
+    /// Makes room (zeros) for the vertices of mesh `index`, and for its normals if they are its own data.
+    pub fn want_mesh(&mut self, scene: &Scene, index: usize) {
+        let mesh = &scene.meshes[index];
+        let zeros = || vec![Vec3::ZERO; mesh.positions.len()];
+        self.positions[index].get_or_insert_with(zeros);
+        if matches!(mesh.normals, Normals::Given(_)) {
+            self.given_normals[index].get_or_insert_with(zeros);
+        }
+    }
+}
