@@ -3,4 +3,6 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `lanes → scene → trace → kernels → warp → paths → gradient → methods → cli`.
 
+pub mod kernels;
+pub mod lanes;
 pub mod scene;
