@@ -5,4 +5,7 @@
 
 pub mod kernels;
 pub mod lanes;
+pub mod paths;
 pub mod scene;
+pub mod trace;
+pub mod warp;

@@ -1,5 +1,10 @@
 //! Pure functions over lanes, written once: the build derives their adjoints from these sources.
 //!
-//! Every `pub fn` here is branch-free and keeps to the subset that `src/adjoint/transform` documents.
+//! Every `pub fn` here is branch-free and keeps to the subset that `src/adjoint/transform.rs` documents.
 
+pub mod camera;
+pub mod frame;
+pub mod light;
+pub mod normal;
+pub mod silhouette;
 pub mod triangle;

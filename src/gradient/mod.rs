@@ -1,0 +1,5 @@
+//! From stored paths to gradients: tangent and adjoint sweeps, their sums, and standard errors.
+
+pub mod forward;
+pub mod motion;
+pub mod normals;

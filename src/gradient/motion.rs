@@ -1,0 +1,134 @@
+//! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over [`Geometry`].
+
+use crate::lanes::{Dual, LANES, Lane, Real, V3};
+use crate::paths::camera::splat;
+use crate::scene::{CameraDifferential, Rgb, Scene, SceneDifferential};
+use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
+use glam::Vec3;
+
+/// The tangent of a scene, numbered as [`Geometry`] numbers it.
+pub struct Motion {
+    /// Velocity of each vertex; empty if no mesh moves.
+    pub positions: Vec<Vec3>,
+    /// Change of each shading normal; empty if no smooth mesh moves.
+    pub normals: Vec<Vec3>,
+    /// Whether each mesh moves or its normals turn.
+    pub moving_mesh: Vec<bool>,
+    pub camera: Option<CameraDifferential>,
+    /// Per material, per area light; `None` if all are still.
+    pub reflectance: Option<Vec<Rgb>>,
+    pub radiance: Option<Vec<Rgb>>,
+    pub environment: Option<Rgb>,
+}
+
+impl Motion {
+    pub fn new(scene: &Scene, geometry: &Geometry, tangent: &SceneDifferential) -> Self {
+        let moving_mesh: Vec<bool> = tangent.positions.iter().map(Option::is_some).collect();
+        let spread = |of: &[Option<Vec<Vec3>>]| {
+            let mut all = vec![Vec3::ZERO; geometry.positions.len()];
+            for (mesh, values) in of.iter().enumerate() {
+                if let Some(values) = values {
+                    let first = geometry.first_vertex[mesh] as usize;
+                    all[first..first + values.len()].copy_from_slice(values);
+                }
+            }
+            all
+        };
+        let any_mesh = moving_mesh.contains(&true);
+        let positions = if any_mesh { spread(&tangent.positions) } else { Vec::new() };
+        let smooth = moving_mesh.iter().zip(&geometry.smooth).any(|(m, s)| *m && *s);
+        let normals = if smooth {
+            let turned = super::normals::tangent(scene, tangent);
+            spread(&turned)
+        } else {
+            Vec::new()
+        };
+        let colours = |of: &[Option<Rgb>]| {
+            of.iter().any(Option::is_some).then(|| of.iter().map(|c| c.unwrap_or([0.0; 3])).collect())
+        };
+        Self {
+            positions,
+            normals,
+            moving_mesh,
+            camera: tangent.camera,
+            reflectance: colours(&tangent.reflectance),
+            radiance: colours(&tangent.radiance),
+            environment: tangent.environment,
+        }
+    }
+
+    /// Whether the mesh of a triangle moves.
+    pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
+        triangle != NO_TRIANGLE && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
+    }
+
+    /// Whether anything moves that the triangles in `lanes` belong to.
+    pub fn moves_any(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> bool {
+        triangle.iter().any(|&t| self.moves(geometry, t))
+    }
+
+    /// A vertex with its velocity.
+    pub fn point(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
+        let p = geometry.positions[vertex as usize].as_dvec3();
+        let v = self.positions.get(vertex as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();
+        let dual = |value, tangent| Dual { value, tangent };
+        V3 { x: dual(p.x, v.x), y: dual(p.y, v.y), z: dual(p.z, v.z) }
+    }
+
+    /// The corners of a triangle in each lane with their velocities.
+    pub fn corners(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
+        join(geometry.gather_positions(corners), self.gather(&self.positions, corners))
+    }
+
+    /// The shading normals at a triangle's corners in each lane, with how they turn.
+    pub fn corner_normals(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
+        join(geometry.gather_normals(corners), self.gather(&self.normals, corners))
+    }
+
+    fn gather(&self, of: &[Vec3], corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
+        if of.is_empty() {
+            return [V3::splat(0.0); 3];
+        }
+        gather(corners, |v, _| if v == u32::MAX { Vec3::ZERO } else { of[v as usize] })
+    }
+
+    /// The camera's position and axes, and tan(x_fov/2), with their velocities.
+    pub fn camera<F: Real>(&self, camera: &crate::paths::camera::Camera) -> MovingCamera<F> {
+        let motion = self.camera.unwrap_or_default();
+        let dual = |value: Vec3, tangent: Vec3| dual_vector(splat::<F>(value), splat::<F>(tangent));
+        let tan = camera.tan_half_x_fov;
+        // d tan(φ/2)/dφ = (1 + tan²)/2.
+        let tan_velocity = (motion.x_fov_deg as f64).to_radians() * 0.5 * (1.0 + tan * tan);
+        MovingCamera {
+            origin: dual(camera.origin, motion.translation),
+            axes: camera.axes.map(|axis| dual(axis, motion.rotation.cross(axis))),
+            tan_half_x_fov: Dual { value: F::splat(tan), tangent: F::splat(tan_velocity) },
+        }
+    }
+}
+
+/// A camera with its velocity.
+#[derive(Clone, Copy)]
+pub struct MovingCamera<F> {
+    pub origin: V3<Dual<F>>,
+    pub axes: [V3<Dual<F>>; 3],
+    pub tan_half_x_fov: Dual<F>,
+}
+
+/// A vector with its tangent.
+pub fn dual_vector<F>(value: V3<F>, tangent: V3<F>) -> V3<Dual<F>> {
+    V3 {
+        x: Dual { value: value.x, tangent: tangent.x },
+        y: Dual { value: value.y, tangent: tangent.y },
+        z: Dual { value: value.z, tangent: tangent.z },
+    }
+}
+
+/// The tangent of a vector.
+pub fn tangent_of<F: Copy>(v: V3<Dual<F>>) -> V3<F> {
+    V3 { x: v.x.tangent, y: v.y.tangent, z: v.z.tangent }
+}
+
+fn join(values: [V3<Lane>; 3], tangents: [V3<Lane>; 3]) -> [V3<Dual<Lane>>; 3] {
+    std::array::from_fn(|c| dual_vector(values[c], tangents[c]))
+}

@@ -1,0 +1,65 @@
+//! The image itself.
+
+use super::stage::{GroupImages, Stage};
+use super::{EngineError, Progress, Rendering, Settings, Statistics};
+use crate::paths::film::Block;
+use crate::paths::tile::TracedTile;
+use crate::paths::tracer::Counts;
+use crate::scene::{Rgb, Scene};
+use std::time::Instant;
+
+/// Renders the image.
+pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendering, EngineError> {
+    let mut statistics = Statistics::default();
+    let settings = Settings { standard_error: false, ..settings.clone() };
+    let stage = Stage::new(scene, &settings, false, &mut statistics)?;
+    let mut images = GroupImages::new(&stage);
+    trace(&stage, progress, &mut statistics, |group, block| images.add(group, block))?;
+    let image = stage.image(images.finish().0);
+    Ok(Rendering { image, statistics })
+}
+
+/// Images of each group of samples, for finite differences.
+pub fn group_images(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
+    let stage = Stage::new(scene, settings, false, statistics)?;
+    let pixels = stage.size[0] * stage.size[1];
+    let mut images = vec![vec![[0.0; 3]; pixels]; stage.groups as usize];
+    let width = stage.size[0];
+    trace(&stage, progress, statistics, |group, block| {
+        block.add_to(&mut images[group as usize], width);
+    })?;
+    Ok((images, stage.size))
+}
+
+fn trace(
+    stage: &Stage,
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+    mut merge: impl FnMut(u32, &Block),
+) -> Result<(), EngineError> {
+    let start = Instant::now();
+    let tracer = stage.tracer();
+    let mut counts = Counts::default();
+    stage.for_each_tile(
+        progress,
+        |group, index| {
+            let tile = stage.lattice.tile(index, group, stage.seed);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, |_, _| false);
+            let mut block = Block::new(&stage.filter, &traced.tile);
+            traced.splat(&traced.image.radiance, &mut block);
+            (block, traced.counts)
+        },
+        |group, (block, tile_counts)| {
+            merge(group, &block);
+            counts += tile_counts;
+        },
+    )?;
+    statistics.add_counts(&counts);
+    statistics.add_seconds("primal", start);
+    Ok(())
+}

@@ -1,0 +1,164 @@
+//! Area lights as patches: parallelograms where two triangles make one, else single triangles.
+//!
+//! A patch is parametrised by the unit square: y(s, r) = q + s·e1 + r·e2. A parallelogram covers it, a single
+//! triangle its half s + r ≤ 1. Light samples and shadow cells live in this square (`warp::light_cells`), and a
+//! point keeps its (s, r) when the light moves.
+
+use crate::lanes::{LANES, Lane};
+use crate::scene::{Rgb, Scene};
+use crate::trace::geometry::Geometry;
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// A part of an area light.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Vertices of the triangle that holds s + r ≤ 1: corner q, then at s = 1, then at r = 1.
+    pub lower: [u32; 3],
+    /// Vertices of the triangle that holds s + r > 1: the far corner, then at r = 1 (s = 0), then at s = 1 (r = 0).
+    pub upper: Option<[u32; 3]>,
+    /// The far corner is where its first vertex lies; the edges from q.
+    pub corner: Vec3,
+    pub edges: [Vec3; 2],
+    /// Index into [`Scene::area_lights`].
+    pub light: u32,
+    /// Chance of being picked.
+    pub probability: f32,
+}
+
+/// All area lights of a scene.
+pub struct Lights {
+    pub patches: Vec<Patch>,
+    /// Sum of the probabilities up to and including each patch.
+    cumulative: Vec<f32>,
+    /// Light and density (per solid angle needs the distance; this is per area) of each emitting triangle.
+    pub of_mesh: Vec<Option<u32>>,
+    /// Probability over area of picking a point on a light: the same everywhere on it.
+    pub pdf_area: Vec<f32>,
+}
+
+impl Lights {
+    pub fn new(scene: &Scene, geometry: &Geometry) -> Self {
+        let mut patches = Vec::new();
+        let mut power = Vec::new();
+        for (index, light) in scene.area_lights.iter().enumerate() {
+            let range = geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
+            let level = luminance(light.radiance);
+            for mut patch in pair_triangles(geometry, range) {
+                patch.light = index as u32;
+                let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
+                let area = patch.edges[0].cross(patch.edges[1]).length() as f64 * halves;
+                power.push((area, area * level));
+                patches.push(patch);
+            }
+        }
+        let mut total: f64 = power.iter().map(|p| p.1).sum();
+        if total <= 0.0 {
+            // Every light is black now; a gradient by its radiance still wants samples of it.
+            power.iter_mut().for_each(|p| p.1 = p.0);
+            total = power.iter().map(|p| p.1).sum();
+        }
+        let mut pdf_area = vec![0.0; scene.area_lights.len()];
+        let mut cumulative = Vec::with_capacity(patches.len());
+        let mut sum = 0.0;
+        for (patch, (area, share)) in patches.iter_mut().zip(&power) {
+            let probability = share / total;
+            patch.probability = probability as f32;
+            pdf_area[patch.light as usize] = (probability / area) as f32;
+            sum += probability;
+            cumulative.push(sum as f32);
+        }
+        let of_mesh = scene.meshes.iter().map(|m| m.area_light.map(|l| l as u32)).collect();
+        Self { patches, cumulative, of_mesh, pdf_area }
+    }
+
+    /// Whether there is nothing to sample.
+    pub fn is_empty(&self) -> bool {
+        self.patches.is_empty()
+    }
+
+    /// Picks a patch in each lane by a uniform number, which is stretched to be used again.
+    pub fn pick(&self, u: Lane) -> ([u32; LANES], Lane) {
+        if self.patches.len() == 1 {
+            return ([0; LANES], u);
+        }
+        let mut patch = [0; LANES];
+        let mut rest = u.to_array();
+        for lane in 0..LANES {
+            let at = self.cumulative.partition_point(|&c| c <= rest[lane]).min(self.patches.len() - 1);
+            let below = if at == 0 { 0.0 } else { self.cumulative[at - 1] };
+            patch[lane] = at as u32;
+            rest[lane] = ((rest[lane] - below) / self.patches[at].probability).clamp(0.0, 1.0 - 6e-8);
+        }
+        (patch, Lane::new(rest))
+    }
+}
+
+impl Patch {
+    /// Vertices and barycentrics (of the second and third vertex) of the point (`s`, `r`).
+    #[inline]
+    pub fn vertices_at(&self, s: f32, r: f32) -> ([u32; 3], [f32; 2]) {
+        match self.upper {
+            Some(upper) if s + r > 1.0 => (upper, [1.0 - s, 1.0 - r]),
+            _ => (self.lower, [s, r]),
+        }
+    }
+
+    /// World position of (`s`, `r`), as it is now.
+    pub fn point(&self, s: f32, r: f32) -> Vec3 {
+        self.corner + self.edges[0] * s + self.edges[1] * r
+    }
+
+    /// How far the line through (`s`, `r`) along axis 0 or 1 reaches: from 0 up to this.
+    pub fn line_end(&self, fixed: f32) -> f32 {
+        if self.upper.is_some() { 1.0 } else { 1.0 - fixed }
+    }
+}
+
+/// Rec. 709 luminance: what lights are picked by.
+pub fn luminance(c: Rgb) -> f64 {
+    0.2126 * c[0] as f64 + 0.7152 * c[1] as f64 + 0.0722 * c[2] as f64
+}
+
+/// Joins triangles that share a diagonal into parallelograms, each triangle at most once, in order.
+fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch> {
+    let position = |v: u32| geometry.positions[v as usize];
+    let key = |v: u32| position(v).to_array().map(|x| (x + 0.0).to_bits());
+    let mut open: HashMap<[[u32; 3]; 2], (u32, usize)> = HashMap::new();
+    let mut partner: HashMap<u32, (usize, u32, usize)> = HashMap::new();
+    let mut taken = vec![false; range.len()];
+    for t in range.clone() {
+        let v = geometry.triangles[t as usize];
+        for c in 0..3 {
+            // The diagonal runs from corner c+1 to c+2; the twin runs the other way round.
+            let (from, to) = (v[(c + 1) % 3], v[(c + 2) % 3]);
+            if let Some(&(other, k)) = open.get(&[key(to), key(from)]) {
+                let w = geometry.triangles[other as usize];
+                let far = position(from) + position(to) - position(v[c]);
+                let scale = (position(from) - position(to)).length();
+                let free = !taken[(t - range.start) as usize] && !taken[(other - range.start) as usize];
+                if free && (position(w[k]) - far).length() <= 1e-5 * scale {
+                    taken[(t - range.start) as usize] = true;
+                    taken[(other - range.start) as usize] = true;
+                    partner.insert(other, (k, t, c));
+                }
+            }
+            open.insert([key(from), key(to)], (t, c));
+        }
+    }
+    let rotated = |t: u32, c: usize| {
+        let v = geometry.triangles[t as usize];
+        [v[c], v[(c + 1) % 3], v[(c + 2) % 3]]
+    };
+    let mut patches = Vec::new();
+    for t in range.clone() {
+        let (lower, upper) = match partner.get(&t) {
+            Some(&(k, other, c)) => (rotated(t, k), Some(rotated(other, c))),
+            None if taken[(t - range.start) as usize] => continue,
+            None => (rotated(t, 0), None),
+        };
+        let [q, a, b] = lower.map(position);
+        patches.push(Patch { lower, upper, corner: q, edges: [a - q, b - q], light: 0, probability: 0.0 });
+    }
+    patches
+}

@@ -1,0 +1,149 @@
+//! What is kept of each path, so that the sweeps trace no ray.
+
+use super::bounce_cells::BounceCrossing;
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::scene::Rgb;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use crate::warp::boundary::Boundary;
+use glam::DVec3;
+
+/// One path vertex in each lane: the ray that arrived and what was sampled where it ended. About 100 bytes a path.
+///
+/// Everything here is a value at θ₀. The sweeps re-solve positions and normals from the rays and triangles with
+/// tangents or cotangents attached.
+#[derive(Clone, Debug)]
+pub struct Vertices {
+    /// Lanes whose ray ended on a surface.
+    pub hit: u32,
+    /// Lanes whose ray left the scene.
+    pub escaped: u32,
+    pub origin: V3<Lane>,
+    pub direction: V3<Lane>,
+    /// Triangle in each lane, or [`NO_TRIANGLE`].
+    pub triangle: [u32; LANES],
+    /// ±1: the side of the shading normal that looks back along the ray.
+    pub facing: Lane,
+    /// Product of reflectances and survival weights before this vertex.
+    pub throughput: V3<Lane>,
+    /// Reflectance here; zero where the surface is black from this side.
+    pub reflectance: V3<Lane>,
+    /// Multiplies the emission found by the arriving ray: 1 for camera rays, the MIS weight for others.
+    pub emission_weight: Lane,
+    pub light: LightSamples,
+    /// Direction in which the path goes on, in the frame of the shading normal.
+    pub local: [Lane; 3],
+    /// 1/(chance of going on), 0 where the path ends here.
+    pub survival: Lane,
+    /// The shadow edges on this vertex's light lines, as a range of the tile's list.
+    pub crossings: [u32; 2],
+    /// The silhouettes on its bounce lines, likewise.
+    pub bounce_crossings: [u32; 2],
+}
+
+impl Vertices {
+    /// Where a lane's ray ends, in f64.
+    pub fn position(&self, geometry: &Geometry, lane: usize) -> DVec3 {
+        let of = |v: V3<Lane>| DVec3::new(v.x.to_array()[lane] as f64, v.y.to_array()[lane] as f64, v.z.to_array()[lane] as f64);
+        let (o, d) = (of(self.origin), of(self.direction));
+        let [p, q, r] = geometry.triangles[self.triangle[lane] as usize].map(|v| geometry.positions[v as usize].as_dvec3());
+        let n = (q - p).cross(r - p);
+        o + d * (n.dot(p - o) / n.dot(d))
+    }
+}
+
+/// The light sample of each lane.
+#[derive(Clone, Debug)]
+pub struct LightSamples {
+    pub patch: [u32; LANES],
+    pub s: Lane,
+    pub r: Lane,
+    /// MIS weight over probability density in (s, r); 0 where the point is hidden or there is none.
+    pub weight: Lane,
+    /// `kernels::light::triangle_irradiance` of the point.
+    pub irradiance: Lane,
+}
+
+impl Default for Vertices {
+    fn default() -> Self {
+        let (zero, one) = (Lane::splat(0.0), Lane::splat(1.0));
+        Self {
+            hit: 0,
+            escaped: 0,
+            origin: V3::splat(0.0),
+            direction: V3::splat(0.0),
+            triangle: [NO_TRIANGLE; LANES],
+            facing: one,
+            throughput: V3::splat(1.0),
+            reflectance: V3::splat(0.0),
+            emission_weight: zero,
+            light: LightSamples { patch: [0; LANES], s: zero, r: zero, weight: zero, irradiance: zero },
+            local: [zero, zero, one],
+            survival: zero,
+            crossings: [0; 2],
+            bounce_crossings: [0; 2],
+        }
+    }
+}
+
+/// A jump of the light's visibility, in the square of its patch.
+#[derive(Clone, Copy, Debug)]
+pub struct LightCrossing {
+    pub boundary: Boundary,
+    pub lane: u8,
+    /// 0: found along s at fixed r; 1: along r at fixed s.
+    pub axis: u8,
+    pub patch: u32,
+    pub at: [f64; 2],
+    /// +1 if the light is visible before the crossing and hidden after it, −1 the other way round.
+    pub jump: f64,
+}
+
+/// A jump of the radiance along a film lattice line.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmCrossing {
+    pub boundary: Boundary,
+    /// 0: found along a row; 1: along a column.
+    pub axis: u8,
+    /// Film position in pixels.
+    pub at: [f64; 2],
+    /// Radiance before minus radiance after the crossing.
+    pub jump: Rgb,
+}
+
+/// Everything a tile's sweeps need.
+#[derive(Default)]
+pub struct TileStore {
+    /// Vertices by packet and depth: packet p's are `vertices[depths[p]..depths[p + 1]]`.
+    pub vertices: Vec<Vertices>,
+    pub depths: Vec<u32>,
+    pub light_crossings: Vec<LightCrossing>,
+    pub bounce_crossings: Vec<BounceCrossing>,
+    pub film_crossings: Vec<FilmCrossing>,
+}
+
+impl TileStore {
+    pub fn clear(&mut self) {
+        self.vertices.clear();
+        self.depths.clear();
+        self.depths.push(0);
+        self.light_crossings.clear();
+        self.bounce_crossings.clear();
+        self.film_crossings.clear();
+    }
+
+    /// The vertices of a packet, camera side first.
+    pub fn path(&self, packet: usize) -> &[Vertices] {
+        &self.vertices[self.depths[packet] as usize..self.depths[packet + 1] as usize]
+    }
+}
+
+/// The lanes of a bit mask, as the lane type's own mask.
+pub fn lane_mask(bits: u32) -> <Lane as Real>::Mask {
+    let ones = std::array::from_fn(|l| if bits >> l & 1 == 1 { 1.0 } else { 0.0 });
+    Lane::new(ones).gt(Lane::splat(0.5))
+}
+
+/// The lanes of a vector that `bits` selects, zero elsewhere.
+pub fn masked(bits: u32, v: V3<Lane>) -> V3<Lane> {
+    V3::select(lane_mask(bits), v, V3::splat(0.0))
+}

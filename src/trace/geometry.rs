@@ -1,0 +1,84 @@
+//! All meshes of a scene one after another: what kernels gather from, eight or sixteen triangles at a time.
+
+use crate::lanes::{LANES, Lane, V3};
+use crate::scene::Scene;
+use glam::Vec3;
+
+/// No triangle: the ray hit nothing.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Vertices and triangles of the whole scene, numbered across meshes.
+pub struct Geometry {
+    pub positions: Vec<Vec3>,
+    /// Vertices of each triangle, numbered across meshes.
+    pub triangles: Vec<[u32; 3]>,
+    /// The mesh of each triangle.
+    pub mesh_of_triangle: Vec<u32>,
+    /// Number of the first vertex of each mesh, and the total.
+    pub first_vertex: Vec<u32>,
+    /// Number of the first triangle of each mesh, and the total.
+    pub first_triangle: Vec<u32>,
+    /// Unit shading normal a vertex; empty if no mesh is smooth, zero for flat meshes.
+    pub normals: Vec<Vec3>,
+    /// Whether each mesh is shaded smoothly.
+    pub smooth: Vec<bool>,
+}
+
+impl Geometry {
+    pub fn new(scene: &Scene) -> Self {
+        let smooth: Vec<bool> = scene.meshes.iter().map(|m| m.normals.vertex().is_some()).collect();
+        let any_smooth = smooth.contains(&true);
+        let mut g = Self {
+            positions: Vec::new(),
+            triangles: Vec::new(),
+            mesh_of_triangle: Vec::new(),
+            first_vertex: vec![0],
+            first_triangle: vec![0],
+            normals: Vec::new(),
+            smooth,
+        };
+        for (index, mesh) in scene.meshes.iter().enumerate() {
+            let base = g.positions.len() as u32;
+            g.positions.extend_from_slice(&mesh.positions);
+            g.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + base)));
+            g.mesh_of_triangle.resize(g.triangles.len(), index as u32);
+            if any_smooth {
+                match mesh.normals.vertex() {
+                    Some(normals) => g.normals.extend_from_slice(normals),
+                    None => g.normals.resize(g.positions.len(), Vec3::ZERO),
+                }
+            }
+            g.first_vertex.push(g.positions.len() as u32);
+            g.first_triangle.push(g.triangles.len() as u32);
+        }
+        g
+    }
+
+    /// The vertices of a triangle in each lane; lanes without one get a harmless unit triangle.
+    pub fn corners(&self, triangle: &[u32; LANES]) -> [[u32; 3]; LANES] {
+        triangle.map(|t| if t == NO_TRIANGLE { [u32::MAX; 3] } else { self.triangles[t as usize] })
+    }
+
+    /// One corner's positions in all lanes.
+    pub fn gather_positions(&self, corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
+        const UNIT: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        gather(corners, |v, c| if v == u32::MAX { UNIT[c] } else { self.positions[v as usize] })
+    }
+
+    /// One corner's shading normals in all lanes; zero where the mesh is flat.
+    pub fn gather_normals(&self, corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
+        gather(corners, |v, _| if v == u32::MAX { Vec3::Z } else { self.normals[v as usize] })
+    }
+}
+
+/// Brings a vector of each vertex into lanes, for the three corners.
+pub fn gather(corners: &[[u32; 3]; LANES], of: impl Fn(u32, usize) -> Vec3) -> [V3<Lane>; 3] {
+    std::array::from_fn(|c| {
+        let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let v = of(corners[lane][c], c);
+            (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+        }
+        V3 { x: Lane::new(x), y: Lane::new(y), z: Lane::new(z) }
+    })
+}

@@ -1,0 +1,102 @@
+//! A place where visibility jumps, and how fast it moves.
+//!
+//! Seen from o, a boundary is the zero set of F(o, d; vertices) over directions d (`kernels::silhouette`). F is
+//! linear in d: F = c·d. If the directions of a domain are d(u) with two coordinates u, the boundary crosses u
+//! where F(d(u)) = 0 and moves so that ∇F·V + Ḟ = 0, with Ḟ the derivative by the parameters at fixed u. Of all
+//! velocities V that satisfy this only the part along ∇F matters; we take the shortest in the domain's metric M:
+//! V = −Ḟ M⁻¹∇F / (∇F·M⁻¹∇F).
+//!
+//! This is Loubet's rotation (2019, §4) of the direction to a followed point, with the point followed being the
+//! one on the silhouette: its rotation's component across the boundary is the only one that acts.
+
+use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
+use crate::kernels::silhouette::{crease_side, edge_side};
+use crate::lanes::{Real, V3};
+use crate::trace::geometry::Geometry;
+use glam::DVec3;
+
+/// Where visibility jumps.
+#[derive(Clone, Copy, Debug)]
+pub enum Boundary {
+    /// A mesh edge, by its vertices.
+    Edge([u32; 2]),
+    /// The line in which two triangles pass through each other, by their vertices.
+    Crease([[u32; 3]; 2]),
+}
+
+impl Boundary {
+    /// c in F = c·d, seen from `o`.
+    pub fn normal(&self, geometry: &Geometry, o: DVec3) -> DVec3 {
+        let at = |v: u32| geometry.positions[v as usize].as_dvec3() - o;
+        match *self {
+            Boundary::Edge([a, b]) => at(a).cross(at(b)),
+            Boundary::Crease([a, b]) => {
+                let [a, b] = [a.map(at), b.map(at)];
+                let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
+                nb * na.dot(a[0]) - na * nb.dot(b[0])
+            }
+        }
+    }
+
+    /// F over any lane type; `point` gives a vertex, tangent and all.
+    pub fn side<F: Real>(&self, o: V3<F>, d: V3<F>, point: impl Fn(u32) -> V3<F>) -> F {
+        match *self {
+            Boundary::Edge([a, b]) => edge_side(o, d, point(a), point(b)),
+            Boundary::Crease([a, b]) => {
+                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(&point), b.map(&point));
+                crease_side(o, d, a0, a1, a2, b0, b1, b2)
+            }
+        }
+    }
+
+    /// Cotangents of `o` and `d` from that of F; the vertices' go to `scatter`.
+    pub fn side_adjoint(
+        &self,
+        geometry: &Geometry,
+        o: DVec3,
+        d: DVec3,
+        side_bar: f64,
+        mut scatter: impl FnMut(u32, DVec3),
+    ) -> (DVec3, DVec3) {
+        let point = |v: u32| vector(geometry.positions[v as usize].as_dvec3());
+        match *self {
+            Boundary::Edge([a, b]) => {
+                let (o_bar, d_bar, a_bar, b_bar) =
+                    edge_side_adjoint(vector(o), vector(d), point(a), point(b), side_bar);
+                scatter(a, dvec3(a_bar));
+                scatter(b, dvec3(b_bar));
+                (dvec3(o_bar), dvec3(d_bar))
+            }
+            Boundary::Crease([a, b]) => {
+                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(point), b.map(point));
+                let (o_bar, d_bar, a0, a1, a2, b0, b1, b2) =
+                    crease_side_adjoint(vector(o), vector(d), a0, a1, a2, b0, b1, b2, side_bar);
+                for (v, bar) in a.into_iter().chain(b).zip([a0, a1, a2, b0, b1, b2]) {
+                    scatter(v, dvec3(bar));
+                }
+                (dvec3(o_bar), dvec3(d_bar))
+            }
+        }
+    }
+}
+
+/// As kernels take it.
+pub fn vector(v: DVec3) -> V3<f64> {
+    V3 { x: v.x, y: v.y, z: v.z }
+}
+
+/// As `glam` takes it.
+pub fn dvec3(v: V3<f64>) -> DVec3 {
+    DVec3::new(v.x, v.y, v.z)
+}
+
+/// What Ḟ must be multiplied with to give the velocity along axis `axis` of a two-coordinate domain, where
+/// `gradient` is ∇F and `metric` the (inner) metric [M₀₀, M₀₁, M₁₁]; `None` where the boundary does not cross.
+pub fn velocity_per_side(gradient: [f64; 2], metric: [f64; 3], axis: usize) -> Option<f64> {
+    let [f0, f1] = gradient;
+    let [m00, m01, m11] = metric;
+    // M⁻¹∇F up to the determinant, which cancels.
+    let g = [m11 * f0 - m01 * f1, m00 * f1 - m01 * f0];
+    let norm = f0 * g[0] + f1 * g[1];
+    (norm > 0.0).then(|| -g[axis] / norm)
+}

@@ -1,0 +1,61 @@
+//! Which boundary lies between two rays of a bundle.
+//!
+//! Loubet et al. choose the followed point by comparing the two hits' tangent planes. Here both surfaces are walked
+//! toward the other ray (`super::walk`); the nearer silhouette is the one that is seen. Where neither surface ends
+//! between the rays they must pass through each other, and the line in which their planes meet is followed, as
+//! in the reference code's last rule.
+
+use super::adjacency::Adjacency;
+use super::boundary::Boundary;
+use super::walk::{Arc, Fold, Walk, walk};
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+
+/// What lies between two rays.
+#[derive(Clone, Copy, Debug)]
+pub enum Between {
+    /// One connected surface, or nothing at all.
+    Nothing,
+    /// A boundary, at parameter `s` of the arc.
+    Crossing { boundary: Boundary, s: f64 },
+    /// There must be one, and it was not found.
+    Unresolved,
+}
+
+impl Between {
+    fn fold(fold: Fold, from_end: bool) -> Self {
+        let s = if from_end { 1.0 - fold.s } else { fold.s };
+        Between::Crossing { boundary: Boundary::Edge(fold.edge), s: s.clamp(0.0, 1.0) }
+    }
+}
+
+/// What lies between two rays that both look for the nearest surface; [`NO_TRIANGLE`] for a ray that hit none.
+pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b: u32) -> Between {
+    if a == b {
+        return Between::Nothing;
+    }
+    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, a, b));
+    if let Some(Walk::Reached) = from_a {
+        return Between::Nothing;
+    }
+    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &arc.reversed(), b, a));
+    match (from_a, from_b) {
+        (_, Some(Walk::Reached)) => Between::Nothing,
+        (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
+            let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
+            if distance(&f) <= distance(&g) { Between::fold(f, false) } else { Between::fold(g, true) }
+        }
+        (Some(Walk::Fold(f)), _) => Between::fold(f, false),
+        (_, Some(Walk::Fold(g))) => Between::fold(g, true),
+        (Some(Walk::Continues), Some(Walk::Continues)) => crease(geometry, arc, a, b),
+        _ => Between::Unresolved,
+    }
+}
+
+/// The line in which the planes of triangles `a` and `b` meet, if it passes between the rays.
+fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Between {
+    let boundary = Boundary::Crease([a, b].map(|t| geometry.triangles[t as usize]));
+    let c = boundary.normal(geometry, arc.origin);
+    let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
+    let s = at_a / (at_a - at_b);
+    if (0.0..=1.0).contains(&s) { Between::Crossing { boundary, s } } else { Between::Unresolved }
+}
