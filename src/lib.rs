@@ -4,3 +4,4 @@
 //! `lanes → scene → trace → kernels → warp → paths → gradient → methods → cli`.
 
 pub mod scene;
+pub mod trace;
