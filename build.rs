@@ -1,1 +1,8 @@
-fn main() {}
+//! Links Embree and generates the adjoint kernels: nothing else.
+
+#[path = "build/embree.rs"]
+mod embree;
+
+fn main() {
+    embree::build();
+}

@@ -1,10 +1,12 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `lanes → scene → trace → kernels → warp → paths → gradient → methods → cli`.
+//! `lanes → scene → trace → kernels → adjoint → warp → paths → gradient → methods → cli`.
 
+pub mod gradient;
 pub mod kernels;
 pub mod lanes;
+pub mod methods;
 pub mod paths;
 pub mod scene;
 pub mod trace;

@@ -6,7 +6,7 @@ use crate::kernels::frame::direction_from_local;
 use crate::kernels::light::triangle_irradiance;
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
-use crate::lanes::{Dual, LANES, Lane, Real, V3};
+use crate::lanes::{Dual, LANES, Lane, Mask, Real, V3};
 use crate::paths::bounce_cells::BounceCrossing;
 use crate::paths::store::{FilmCrossing, LightCrossing, TileStore, Vertices, lane_mask, masked};
 use crate::paths::tracer::{Tracer, lane_of};
@@ -175,7 +175,7 @@ impl<'a> ForwardSweep<'a> {
             // Where nothing is emitted the kernel may be 0: keep the ratio finite there.
             let zero = Lane::splat(0.0);
             let emits = vertices.emission_weight.gt(zero) & irradiance.value.gt(zero);
-            let relative = Lane::select(emits, irradiance.tangent / irradiance.value, zero);
+            let relative = <Lane as Real>::select(emits, irradiance.tangent / irradiance.value, zero);
             emitted = emitted * Dual { value: Lane::splat(1.0), tangent: relative };
         }
         tangent_of(chain.throughput.times(emitted))
@@ -292,7 +292,7 @@ pub fn constant(value: Lane) -> D {
 }
 
 fn constant_rgb(value: Rgb, tangent: Rgb) -> V3<D> {
-    let dual = |c: usize| Dual { value: Lane::splat(value[c] as f64), tangent: Lane::splat(tangent[c] as f64) };
+    let dual = |c: usize| Dual { value: Lane::splat(value[c]), tangent: Lane::splat(tangent[c]) };
     V3 { x: dual(0), y: dual(1), z: dual(2) }
 }
 

@@ -1,7 +1,10 @@
 //! The estimators behind `--method`, and the one interface through which commands use them.
 
-use crate::scene::parameters::Parameter;
-use crate::scene::{Scene, SceneDifferential};
+mod primal;
+mod stage;
+mod tangent;
+
+use crate::scene::SceneDifferential;
 use std::collections::BTreeMap;
 
 /// Which estimator computes a gradient.
@@ -132,36 +135,5 @@ pub enum EngineError {
     Failed(String),
 }
 
-fn not_built_yet<T>() -> Result<T, EngineError> {
-    Err(EngineError::Failed("the engine is not built yet".into()))
-}
-
-/// Renders the image.
-pub fn render(
-    _scene: &Scene,
-    _settings: &Settings,
-    _progress: &dyn Progress,
-) -> Result<Rendering, EngineError> {
-    not_built_yet()
-}
-
-/// Forward mode: the derivative of the image along one direction in parameter space.
-pub fn forward(
-    _scene: &Scene,
-    _settings: &Settings,
-    _direction: &[(Parameter, Vec<f32>)],
-    _progress: &dyn Progress,
-) -> Result<ForwardGradient, EngineError> {
-    not_built_yet()
-}
-
-/// Reverse mode: the derivative of an objective with respect to all the parameters.
-pub fn backward(
-    _scene: &Scene,
-    _settings: &Settings,
-    _parameters: &[Parameter],
-    _objective: &Objective,
-    _progress: &dyn Progress,
-) -> Result<BackwardGradient, EngineError> {
-    not_built_yet()
-}
+pub use primal::render;
+pub use tangent::forward;

@@ -99,7 +99,7 @@ struct Finder<'a> {
 impl Finder<'_> {
     /// Unit vectors of a horizon axis in each lane.
     fn pole(&self, axis: usize, sign: f64) -> V3<Lane> {
-        let (zero, one) = (Lane::splat(0.0), Lane::splat(sign));
+        let (zero, one) = (Lane::splat(0.0), Lane::splat(sign as f32));
         let [lx, ly] = if axis == 0 { [one, zero] } else { [zero, one] };
         direction_from_local(self.surface.n, lx, ly, zero)
     }
@@ -167,6 +167,7 @@ impl Finder<'_> {
                 match between(self.tracer.geometry, self.adjacency, &arc, a.1, b.1) {
                     Between::Nothing => {}
                     Between::Crossing { boundary, s } => found.push((axis, boundary, arc, s)),
+                    Between::Ridge { edge, s, .. } => found.push((axis, Boundary::Edge(edge), arc, s)),
                     Between::Unresolved => self.counts.unresolved += 1,
                 }
             }

@@ -12,7 +12,7 @@ use super::tracer::Tracer;
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
-use crate::warp::boundary::dvec3;
+use crate::warp::boundary::{Boundary, dvec3};
 use crate::warp::resolve::{Between, between};
 use crate::warp::walk::Arc;
 
@@ -35,6 +35,7 @@ pub fn find(
 ) {
     let [columns, rows] = tile.points;
     let origin = tracer.camera.origin.as_dvec3();
+    let per_pixel = tracer.camera.direction_per_pixel();
     for axis in 0..2 {
         let stride = if axis == 0 { 1 } else { columns };
         for row in 0..rows - axis {
@@ -51,17 +52,24 @@ pub fn find(
                 end[axis] += tile.step[axis];
                 let direction = |[u, v]: [f64; 2]| dvec3(tracer.camera.direction(u, v));
                 let arc = Arc { origin, a: direction(start), b: direction(end) };
-                match between(tracer.geometry, adjacency, &arc, a, b) {
-                    Between::Nothing => {}
-                    Between::Unresolved => *unresolved += 1,
-                    Between::Crossing { boundary, s } => {
-                        let mut film = start;
-                        film[axis] += s * tile.step[axis];
-                        if tile.contains(film[0], film[1]) {
-                            let jump = std::array::from_fn(|c| before[c] - after[c]);
-                            out.push(FilmCrossing { boundary, axis: axis as u8, at: film, jump });
-                        }
+                let (boundary, s) = match between(tracer.geometry, adjacency, &arc, a, b) {
+                    Between::Nothing => continue,
+                    Between::Unresolved => {
+                        *unresolved += 1;
+                        continue;
                     }
+                    Between::Crossing { boundary, s } => (boundary, s),
+                    Between::Ridge { edge, s, point } => {
+                        let [p, q] = edge.map(|v| tracer.geometry.positions[v as usize].as_dvec3());
+                        let along = (point - p).dot(q - p) / (q - p).length_squared();
+                        (Boundary::Point { edge, along, line: per_pixel[1 - axis] }, s)
+                    }
+                };
+                let mut film = start;
+                film[axis] += s * tile.step[axis];
+                if tile.contains(film[0], film[1]) {
+                    let jump = std::array::from_fn(|c| before[c] - after[c]);
+                    out.push(FilmCrossing { boundary, axis: axis as u8, at: film, jump });
                 }
             }
         }

@@ -45,17 +45,25 @@ pub fn find(
     counts: &mut Counts,
     out: &mut Vec<LightCrossing>,
 ) {
-    let active = facing_light(tracer, vertices, surface, patch);
-    if active == 0 {
+    let facing = facing_light(tracer, vertices, surface, patch);
+    if facing == 0 {
         return;
     }
     for axis in 0..2 {
+        let mut active = facing;
         let fixed = if axis == 0 { &choice.r } else { &choice.s };
         let middle = if axis == 0 { &choice.s } else { &choice.r };
-        let ends: [[f32; LANES]; 2] = [
-            [RIM; LANES],
-            std::array::from_fn(|l| tracer.lights.patches[patch[l] as usize].line_end(fixed[l]) - RIM),
-        ];
+        let mut ends = [[RIM; LANES]; 2];
+        for lane in 0..LANES {
+            let p = &tracer.lights.patches[patch[lane] as usize];
+            let range = [RIM, p.line_end(fixed[lane]) - RIM];
+            let point = |at: f32| if axis == 0 { p.point(at, fixed[lane]) } else { p.point(fixed[lane], at) };
+            let (x, n) = (lane_of(surface.x, lane), lane_of(surface.n, lane));
+            match above_horizon(range, range.map(|at| n.dot(point(at) - x))) {
+                Some([from, to]) => (ends[0][lane], ends[1][lane]) = (from, to),
+                None => active &= !(1 << lane),
+            }
+        }
         let visible = ends.map(|end| {
             let (s, r) = if axis == 0 { (&end, fixed) } else { (fixed, &end) };
             let y = tracer.patch_points(patch, s, r);
@@ -82,6 +90,18 @@ pub fn find(
             }
         }
     }
+}
+
+/// The part of a line whose points stand higher than the surface's horizon, given the heights at its ends.
+fn above_horizon([from, to]: [f32; 2], [low, high]: [f32; 2]) -> Option<[f32; 2]> {
+    let crossing = from + (to - from) * low / (low - high);
+    match (low > 0.0, high > 0.0) {
+        (true, true) => Some([from, to]),
+        (true, false) => Some([from, crossing - RIM]),
+        (false, true) => Some([crossing + RIM, to]),
+        (false, false) => None,
+    }
+    .filter(|[from, to]| from < to)
 }
 
 /// Lanes that stand on the bright side of their patch and reflect anything.

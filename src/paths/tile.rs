@@ -6,7 +6,7 @@ use super::lattice::Tile;
 use super::random::morton;
 use super::store::TileStore;
 use super::tracer::{Counts, RayPacket, Tracer};
-use crate::lanes::{LANES, Lane, Real, V3};
+use crate::lanes::{LANES, Lane, V3};
 use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
@@ -107,7 +107,7 @@ fn packets(tile: &Tile, with_outer: bool) -> impl Iterator<Item = FilmPacket> + 
                 column,
                 active: ((1u64 << lanes) - 1) as u32,
                 u: Lane::new(u),
-                v: Lane::splat(tile.position(1, row)),
+                v: Lane::splat(tile.position(1, row) as f32),
             }
         })
     })

@@ -16,7 +16,7 @@ use super::store::{LightSamples, TileStore, Vertices, lane_mask, masked};
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::light::triangle_irradiance;
 use crate::kernels::normal::{face_normal, shading_normal};
-use crate::lanes::{LANES, Lane, Real, V3};
+use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::scene::{Rgb, Scene};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
 use crate::trace::{Accel, Coherence, Hits, Rays};
@@ -319,11 +319,11 @@ impl Tracer<'_> {
             [self.lights.of_mesh[mesh].map_or(0.0, |l| self.lights.pdf_area[l as usize]); 3]
         });
         // Both densities over solid angle: cos/π against p_A·r²/cos_light.
-        let bounce = cos * cos_light * Lane::splat(std::f64::consts::FRAC_1_PI);
+        let bounce = cos * cos_light * Lane::splat(std::f32::consts::FRAC_1_PI);
         let light = pdf_area.x * t * t;
         let weight = bounce * bounce / (bounce * bounce + light * light);
         let emits = lane_mask(vertices.hit) & light.gt(Lane::splat(0.0)) & cos_light.gt(Lane::splat(0.0));
-        Lane::select(emits, weight, Lane::splat(0.0))
+        <Lane as Real>::select(emits, weight, Lane::splat(0.0))
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -376,8 +376,8 @@ impl Tracer<'_> {
             patch,
             s: Lane::new(s),
             r: Lane::new(r),
-            weight: Lane::select(lane_mask(visible), weight, zero),
-            irradiance: Lane::select(lit, irradiance, zero),
+            weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
+            irradiance: <Lane as Real>::select(lit, irradiance, zero),
         };
         if let Some(adjacency) = self.adjacency {
             let [s, r] = drawn;
@@ -461,7 +461,7 @@ impl Tracer<'_> {
             alive = alive & u.lt(chance);
             survival = Lane::splat(1.0) / chance;
         }
-        vertices.survival = Lane::select(alive, survival, zero);
+        vertices.survival = <Lane as Real>::select(alive, survival, zero);
         let origin = leave(surface.x, surface.geometric, direction);
         let rays = RayPacket { active: 0, origin, direction, near: 0.0, far: f32::INFINITY };
         (rays, alive.to_bits())
@@ -540,7 +540,7 @@ pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
 /// A cosine-distributed direction about +z from two uniform numbers.
 pub fn cosine_direction(u: Lane, v: Lane) -> [Lane; 3] {
     let radius = u.sqrt();
-    let angle = v * Lane::splat(std::f64::consts::TAU);
+    let angle = v * Lane::splat(std::f32::consts::TAU);
     let (sin, cos) = angle.sin_cos();
     let up = (Lane::splat(1.0) - u).max(Lane::splat(0.0)).sqrt();
     [radius * cos, radius * sin, up]

@@ -9,7 +9,6 @@
 //! This is Loubet's rotation (2019, §4) of the direction to a followed point, with the point followed being the
 //! one on the silhouette: its rotation's component across the boundary is the only one that acts.
 
-use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
 use crate::kernels::silhouette::{crease_side, edge_side};
 use crate::lanes::{Real, V3};
 use crate::trace::geometry::Geometry;
@@ -22,6 +21,9 @@ pub enum Boundary {
     Edge([u32; 2]),
     /// The line in which two triangles pass through each other, by their vertices.
     Crease([[u32; 3]; 2]),
+    /// A point that keeps its place on an edge (`along` from its first vertex to its second), taken with a line of fixed
+    /// direction `line` through it: only its motion across that line counts.
+    Point { edge: [u32; 2], along: f64, line: DVec3 },
 }
 
 impl Boundary {
@@ -35,6 +37,7 @@ impl Boundary {
                 let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
                 nb * na.dot(a[0]) - na * nb.dot(b[0])
             }
+            Boundary::Point { edge: [a, b], along, line } => at(a).lerp(at(b), along).cross(line),
         }
     }
 
@@ -46,35 +49,11 @@ impl Boundary {
                 let ([a0, a1, a2], [b0, b1, b2]) = (a.map(&point), b.map(&point));
                 crease_side(o, d, a0, a1, a2, b0, b1, b2)
             }
-        }
-    }
-
-    /// Cotangents of `o` and `d` from that of F; the vertices' go to `scatter`.
-    pub fn side_adjoint(
-        &self,
-        geometry: &Geometry,
-        o: DVec3,
-        d: DVec3,
-        side_bar: f64,
-        mut scatter: impl FnMut(u32, DVec3),
-    ) -> (DVec3, DVec3) {
-        let point = |v: u32| vector(geometry.positions[v as usize].as_dvec3());
-        match *self {
-            Boundary::Edge([a, b]) => {
-                let (o_bar, d_bar, a_bar, b_bar) =
-                    edge_side_adjoint(vector(o), vector(d), point(a), point(b), side_bar);
-                scatter(a, dvec3(a_bar));
-                scatter(b, dvec3(b_bar));
-                (dvec3(o_bar), dvec3(d_bar))
-            }
-            Boundary::Crease([a, b]) => {
-                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(point), b.map(point));
-                let (o_bar, d_bar, a0, a1, a2, b0, b1, b2) =
-                    crease_side_adjoint(vector(o), vector(d), a0, a1, a2, b0, b1, b2, side_bar);
-                for (v, bar) in a.into_iter().chain(b).zip([a0, a1, a2, b0, b1, b2]) {
-                    scatter(v, dvec3(bar));
-                }
-                (dvec3(o_bar), dvec3(d_bar))
+            Boundary::Point { edge: [a, b], along, line } => {
+                let (a, b) = (point(a), point(b));
+                let at = a + (b - a) * F::splat(along);
+                let line = V3::new(F::splat(line.x), F::splat(line.y), F::splat(line.z));
+                edge_side(o, d, at, at + line)
             }
         }
     }

@@ -9,6 +9,7 @@ use super::adjacency::Adjacency;
 use super::boundary::Boundary;
 use super::walk::{Arc, Fold, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use glam::DVec3;
 
 /// What lies between two rays.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,9 @@ pub enum Between {
     Nothing,
     /// A boundary, at parameter `s` of the arc.
     Crossing { boundary: Boundary, s: f64 },
+    /// One flat-shaded surface, with an edge on it at which its shading jumps. Where several lie between the rays they are
+    /// summed up in one, which is followed as a point.
+    Ridge { edge: [u32; 2], s: f64, point: DVec3 },
     /// There must be one, and it was not found.
     Unresolved,
 }
@@ -26,6 +30,17 @@ impl Between {
         let s = if from_end { 1.0 - fold.s } else { fold.s };
         Between::Crossing { boundary: Boundary::Edge(fold.edge), s: s.clamp(0.0, 1.0) }
     }
+
+    fn ridge(geometry: &Geometry, triangle: u32, ridge: Option<Fold>, from_end: bool) -> Self {
+        let smooth = geometry.smooth[geometry.mesh_of_triangle[triangle as usize] as usize];
+        match ridge {
+            Some(fold) if !smooth => {
+                let s = if from_end { 1.0 - fold.s } else { fold.s };
+                Between::Ridge { edge: fold.edge, s: s.clamp(0.0, 1.0), point: fold.point }
+            }
+            _ => Between::Nothing,
+        }
+    }
 }
 
 /// What lies between two rays that both look for the nearest surface; [`NO_TRIANGLE`] for a ray that hit none.
@@ -34,12 +49,12 @@ pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b:
         return Between::Nothing;
     }
     let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, a, b));
-    if let Some(Walk::Reached) = from_a {
-        return Between::Nothing;
+    if let Some(Walk::Reached(ridge)) = from_a {
+        return Between::ridge(geometry, a, ridge, false);
     }
     let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &arc.reversed(), b, a));
     match (from_a, from_b) {
-        (_, Some(Walk::Reached)) => Between::Nothing,
+        (_, Some(Walk::Reached(ridge))) => Between::ridge(geometry, b, ridge, true),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
             if distance(&f) <= distance(&g) { Between::fold(f, false) } else { Between::fold(g, true) }

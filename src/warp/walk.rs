@@ -33,8 +33,9 @@ pub struct Fold {
 pub enum Walk {
     /// The silhouette was reached before the arc's end.
     Fold(Fold),
-    /// The triangle that was asked for was reached: both rays see one connected surface.
-    Reached,
+    /// The triangle that was asked for was reached: both rays see one connected surface. With the sharpest edge
+    /// that was crossed, if there is any: across it the normals of a flat-shaded mesh jump, and the shading does.
+    Reached(Option<Fold>),
     /// The surface continues beyond the arc's end.
     Continues,
     /// Rounding or a degenerate triangle stopped the walk, or it was too long.
@@ -75,6 +76,7 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
     let mut triangle = start;
     let mut facing = faces(start);
     let mut entered_by = None;
+    let mut sharpest: Option<(f64, Fold)> = None;
     for _ in 0..MAX_STEPS {
         let vertices = corners(triangle);
         let points = vertices.map(position);
@@ -98,23 +100,32 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
         if s >= 1.0 {
             return Walk::Continues;
         }
-        let fold = Walk::Fold(Fold {
-            edge: [vertices[corner], vertices[(corner + 1) % 3]],
-            s,
-            point: point + arc.origin,
-        });
-        let Some(across) = adjacency.across(triangle, corner) else { return fold };
+        let edge = [vertices[corner], vertices[(corner + 1) % 3]];
+        let fold = Fold { edge, s, point: point + arc.origin };
+        let Some(across) = adjacency.across(triangle, corner) else { return Walk::Fold(fold) };
         facing ^= across.flipped;
         if faces(across.triangle) != facing {
-            return fold;
+            return Walk::Fold(fold);
+        }
+        let bend = bend(points, corners(across.triangle).map(position));
+        if bend > FLAT && sharpest.is_none_or(|(most, _)| bend > most) {
+            sharpest = Some((bend, fold));
         }
         if across.triangle == goal {
-            return Walk::Reached;
+            return Walk::Reached(sharpest.map(|(_, fold)| fold));
         }
         triangle = across.triangle;
         entered_by = Some(across.corner);
     }
     Walk::Lost
+}
+
+/// The squared sine of the angle between the planes of two triangles; below this they are one plane.
+const FLAT: f64 = 1e-10;
+
+fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+    let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
+    na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }
 
 /// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β and α with the
