@@ -1,1 +1,6 @@
-fn main() {}
+#[path = "src/adjoint/build_step.rs"]
+mod adjoint;
+
+fn main() {
+    adjoint::derive_adjoints();
+}

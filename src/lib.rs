@@ -3,6 +3,7 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `lanes → scene → trace → kernels → warp → paths → gradient → methods → cli`.
 
+pub mod adjoint;
 pub mod kernels;
 pub mod lanes;
 pub mod scene;
