@@ -44,8 +44,7 @@ fn against_forward_mode(check: &Check) -> Result<(), String> {
         let (forward, backward) = (dot(&tangents, &w), dot(&cotangents, &v));
         let scale = magnitude(&tangents, &w) + magnitude(&cotangents, &v);
         let error = (forward - backward).abs();
-        // Written so that a NaN fails.
-        if !(error <= 1e-12 * scale) {
+        if !error.is_finite() || error > 1e-12 * scale {
             return Err(format!(
                 "forward mode says {forward:e}, the adjoint {backward:e} at {x:?}"
             ));
