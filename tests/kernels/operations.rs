@@ -14,9 +14,10 @@ pub fn ratio<F: Real>(a: F, b: F) -> F {
     -a / (b - F::splat(3.5))
 }
 
-/// Division of and by a constant, and by itself.
+/// Division of and by a constant, and of a number by itself.
 pub fn divisions<F: Real>(a: F, b: F) -> F {
-    F::splat(PI / 4.0) / a + b / F::splat(-THIRD) + a / b + b / b
+    let itself = b;
+    F::splat(PI / 4.0) / a + b / F::splat(-THIRD) + a / b + b / itself
 }
 
 pub fn unary<F: Real>(a: F) -> (F, F, F, F) {
@@ -40,8 +41,8 @@ pub fn shadowing<F: Real>(a: F, b: F) -> F {
     let t1: F = (a + b) * (a - b);
     let a = a * t1;
     let same = a;
-    let out_bar = same * a + a_bar;
-    out_bar
+    let out_bar = same * a;
+    out_bar + a_bar
 }
 
 pub fn vectors<F: Real>(a: V3<F>, b: V3<F>, s: F) -> (V3<F>, F) {
