@@ -1,8 +1,11 @@
-//! Links Embree and generates the adjoint kernels: nothing else.
+//! Links Embree and derives the adjoint kernels: nothing else.
 
+#[path = "src/adjoint/build_step.rs"]
+mod adjoint;
 #[path = "build/embree.rs"]
 mod embree;
 
 fn main() {
     embree::build();
+    adjoint::derive_adjoints();
 }

@@ -3,6 +3,7 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `lanes → scene → trace → kernels → adjoint → warp → paths → gradient → methods → cli`.
 
+pub mod adjoint;
 pub mod gradient;
 pub mod kernels;
 pub mod lanes;
