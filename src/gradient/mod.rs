@@ -1,5 +1,7 @@
 //! From stored paths to gradients: tangent and adjoint sweeps, their sums, and standard errors.
 
+pub mod accumulator;
 pub mod forward;
 pub mod motion;
 pub mod normals;
+pub mod reverse;

@@ -1,5 +1,6 @@
 //! The estimators behind `--method`, and the one interface through which commands use them.
 
+mod adjoint;
 mod primal;
 mod stage;
 mod tangent;
@@ -136,4 +137,5 @@ pub enum EngineError {
 }
 
 pub use primal::render;
+pub use adjoint::backward;
 pub use tangent::forward;

@@ -57,4 +57,44 @@ impl SceneDifferential {
             self.given_normals[index].get_or_insert_with(zeros);
         }
     }
+
+    /// The mean of several differentials of one shape.
+    pub fn mean(all: &[Self]) -> Self {
+        let mut mean = all[0].clone();
+        let n = all.len() as f64;
+        let average = |of: &dyn Fn(&Self) -> Vec3| -> Vec3 {
+            (all.iter().map(|d| of(d).as_dvec3()).sum::<glam::DVec3>() / n).as_vec3()
+        };
+        let vectors = |slot: &mut Option<Vec<Vec3>>, of: &dyn Fn(&Self) -> &Option<Vec<Vec3>>| {
+            for i in 0..slot.as_ref().map_or(0, Vec::len) {
+                let value = average(&|d| of(d).as_ref().map_or(Vec3::ZERO, |v| v[i]));
+                slot.as_mut().unwrap_or(&mut Vec::new())[i] = value;
+            }
+        };
+        let colour = |slot: &mut Option<Rgb>, of: &dyn Fn(&Self) -> Option<Rgb>| {
+            if slot.is_some() {
+                *slot = Some(average(&|d| Vec3::from(of(d).unwrap_or([0.0; 3]))).to_array());
+            }
+        };
+        for i in 0..mean.positions.len() {
+            vectors(&mut mean.positions[i], &|d| &d.positions[i]);
+            vectors(&mut mean.given_normals[i], &|d| &d.given_normals[i]);
+        }
+        for i in 0..mean.reflectance.len() {
+            colour(&mut mean.reflectance[i], &|d| d.reflectance[i]);
+        }
+        for i in 0..mean.radiance.len() {
+            colour(&mut mean.radiance[i], &|d| d.radiance[i]);
+        }
+        colour(&mut mean.environment, &|d| d.environment);
+        if mean.camera.is_some() {
+            let of = |d: &Self| d.camera.unwrap_or_default();
+            mean.camera = Some(CameraDifferential {
+                translation: average(&|d| of(d).translation),
+                rotation: average(&|d| of(d).rotation),
+                x_fov_deg: average(&|d| Vec3::splat(of(d).x_fov_deg)).x,
+            });
+        }
+        mean
+    }
 }

@@ -9,6 +9,7 @@
 //! This is Loubet's rotation (2019, §4) of the direction to a followed point, with the point followed being the
 //! one on the silhouette: its rotation's component across the boundary is the only one that acts.
 
+use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
 use crate::kernels::silhouette::{crease_side, edge_side};
 use crate::lanes::{Real, V3};
 use crate::trace::geometry::Geometry;
@@ -54,6 +55,46 @@ impl Boundary {
                 let at = a + (b - a) * F::splat(along);
                 let line = V3::new(F::splat(line.x), F::splat(line.y), F::splat(line.z));
                 edge_side(o, d, at, at + line)
+            }
+        }
+    }
+
+    /// Cotangents of `o` and `d` from that of F; the vertices' go to `scatter`.
+    pub fn side_adjoint(
+        &self,
+        geometry: &Geometry,
+        o: DVec3,
+        d: DVec3,
+        side_bar: f64,
+        mut scatter: impl FnMut(u32, DVec3),
+    ) -> (DVec3, DVec3) {
+        let point = |v: u32| vector(geometry.positions[v as usize].as_dvec3());
+        match *self {
+            Boundary::Edge([a, b]) => {
+                let (o_bar, d_bar, a_bar, b_bar) =
+                    edge_side_adjoint(vector(o), vector(d), point(a), point(b), side_bar);
+                scatter(a, dvec3(a_bar));
+                scatter(b, dvec3(b_bar));
+                (dvec3(o_bar), dvec3(d_bar))
+            }
+            Boundary::Crease([a, b]) => {
+                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(point), b.map(point));
+                let (o_bar, d_bar, a0, a1, a2, b0, b1, b2) =
+                    crease_side_adjoint(vector(o), vector(d), a0, a1, a2, b0, b1, b2, side_bar);
+                for (v, bar) in a.into_iter().chain(b).zip([a0, a1, a2, b0, b1, b2]) {
+                    scatter(v, dvec3(bar));
+                }
+                (dvec3(o_bar), dvec3(d_bar))
+            }
+            Boundary::Point { edge: [a, b], along, line } => {
+                let [p, q] = [a, b].map(|v| geometry.positions[v as usize].as_dvec3());
+                let at = p.lerp(q, along);
+                let (o_bar, d_bar, at_bar, end_bar) =
+                    edge_side_adjoint(vector(o), vector(d), vector(at), vector(at + line), side_bar);
+                let at_bar = dvec3(at_bar) + dvec3(end_bar);
+                scatter(a, at_bar * (1.0 - along));
+                scatter(b, at_bar * along);
+                (dvec3(o_bar), dvec3(d_bar))
             }
         }
     }

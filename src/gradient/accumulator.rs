@@ -1,0 +1,233 @@
+//! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
+
+use crate::lanes::{LANES, Lane, V3};
+use crate::scene::{CameraDifferential, Rgb, Scene, SceneDifferential};
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use glam::{DVec3, Vec3};
+
+/// What reverse mode is asked for: which sums are worth the work.
+pub struct Wanted {
+    pub mesh: Vec<bool>,
+    pub camera: bool,
+    pub reflectance: bool,
+    pub radiance: bool,
+    pub environment: bool,
+}
+
+impl Wanted {
+    pub fn new(request: &SceneDifferential) -> Self {
+        Self {
+            mesh: request.positions.iter().map(Option::is_some).collect(),
+            camera: request.camera.is_some(),
+            reflectance: request.reflectance.iter().any(Option::is_some),
+            radiance: request.radiance.iter().any(Option::is_some),
+            environment: request.environment.is_some(),
+        }
+    }
+
+    /// Whether any vertex or the camera is wanted.
+    pub fn geometry(&self) -> bool {
+        self.camera || self.mesh.contains(&true)
+    }
+
+    /// Whether the mesh of a triangle is wanted.
+    pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
+        triangle != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
+    }
+}
+
+/// A vector a vertex, most of which stay zero.
+#[derive(Default)]
+pub struct SparseVectors {
+    values: Vec<Vec3>,
+    is_touched: Vec<bool>,
+    touched: Vec<u32>,
+}
+
+impl SparseVectors {
+    fn new(len: usize) -> Self {
+        Self { values: vec![Vec3::ZERO; len], is_touched: vec![false; len], touched: Vec::new() }
+    }
+
+    #[inline]
+    pub fn add(&mut self, vertex: u32, value: Vec3) {
+        let at = vertex as usize;
+        if !self.is_touched[at] {
+            self.is_touched[at] = true;
+            self.touched.push(vertex);
+        }
+        self.values[at] += value;
+    }
+
+    /// Takes what was added, leaving nothing.
+    fn drain(&mut self) -> Vec<(u32, Vec3)> {
+        let touched = std::mem::take(&mut self.touched);
+        touched
+            .into_iter()
+            .map(|v| {
+                self.is_touched[v as usize] = false;
+                (v, std::mem::take(&mut self.values[v as usize]))
+            })
+            .collect()
+    }
+}
+
+/// The camera's cotangents.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CameraSum {
+    pub origin: DVec3,
+    pub axes: [DVec3; 3],
+    pub tan_half_x_fov: f64,
+}
+
+/// Where one tile's sweep adds to. Its dense scratch is used again by the next tile.
+pub struct TileSums {
+    pub positions: SparseVectors,
+    pub normals: SparseVectors,
+    pub reflectance: Vec<[f64; 3]>,
+    pub radiance: Vec<[f64; 3]>,
+    pub environment: [f64; 3],
+    pub camera: CameraSum,
+}
+
+/// One tile's sums, ready to be added to the film's.
+pub struct TileGradient {
+    positions: Vec<(u32, Vec3)>,
+    normals: Vec<(u32, Vec3)>,
+    reflectance: Vec<[f64; 3]>,
+    radiance: Vec<[f64; 3]>,
+    environment: [f64; 3],
+    camera: CameraSum,
+}
+
+impl TileSums {
+    pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Self {
+        let any = wanted.mesh.contains(&true);
+        Self {
+            positions: SparseVectors::new(if any { geometry.positions.len() } else { 0 }),
+            normals: SparseVectors::new(if any { geometry.normals.len() } else { 0 }),
+            reflectance: vec![[0.0; 3]; scene.materials.len()],
+            radiance: vec![[0.0; 3]; scene.area_lights.len()],
+            environment: [0.0; 3],
+            camera: CameraSum::default(),
+        }
+    }
+
+    /// Takes the tile's sums, leaving zeros.
+    pub fn take(&mut self) -> TileGradient {
+        let zeros = |v: &[[f64; 3]]| vec![[0.0; 3]; v.len()];
+        let (reflectance, radiance) = (zeros(&self.reflectance), zeros(&self.radiance));
+        TileGradient {
+            positions: self.positions.drain(),
+            normals: self.normals.drain(),
+            reflectance: std::mem::replace(&mut self.reflectance, reflectance),
+            radiance: std::mem::replace(&mut self.radiance, radiance),
+            environment: std::mem::take(&mut self.environment),
+            camera: std::mem::take(&mut self.camera),
+        }
+    }
+}
+
+/// The film's sums, in f64.
+pub struct FilmSums {
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    reflectance: Vec<[f64; 3]>,
+    radiance: Vec<[f64; 3]>,
+    environment: [f64; 3],
+    camera: CameraSum,
+}
+
+impl FilmSums {
+    pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Self {
+        let any = wanted.mesh.contains(&true);
+        Self {
+            positions: vec![DVec3::ZERO; if any { geometry.positions.len() } else { 0 }],
+            normals: vec![DVec3::ZERO; if any { geometry.normals.len() } else { 0 }],
+            reflectance: vec![[0.0; 3]; scene.materials.len()],
+            radiance: vec![[0.0; 3]; scene.area_lights.len()],
+            environment: [0.0; 3],
+            camera: CameraSum::default(),
+        }
+    }
+
+    /// Adds a tile; the order of the calls is the order of summation.
+    pub fn add(&mut self, tile: &TileGradient) {
+        for &(v, value) in &tile.positions {
+            self.positions[v as usize] += value.as_dvec3();
+        }
+        for &(v, value) in &tile.normals {
+            self.normals[v as usize] += value.as_dvec3();
+        }
+        add_colours(&mut self.reflectance, &tile.reflectance);
+        add_colours(&mut self.radiance, &tile.radiance);
+        add_colours(std::slice::from_mut(&mut self.environment), &[tile.environment]);
+        self.camera.origin += tile.camera.origin;
+        for (axis, value) in self.camera.axes.iter_mut().zip(tile.camera.axes) {
+            *axis += value;
+        }
+        self.camera.tan_half_x_fov += tile.camera.tan_half_x_fov;
+    }
+
+    /// What was asked for, as the gradient of the scene.
+    pub fn finish(
+        self,
+        scene: &Scene,
+        geometry: &Geometry,
+        camera: &crate::paths::camera::Camera,
+        request: &SceneDifferential,
+    ) -> SceneDifferential {
+        let mut gradient = request.clone();
+        let mut positions = self.positions;
+        let given = super::normals::adjoint(scene, geometry, request, &self.normals, &mut positions);
+        for mesh in 0..scene.meshes.len() {
+            let range = geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
+            if let Some(values) = &mut gradient.positions[mesh] {
+                *values = positions[range].iter().map(|v| v.as_vec3()).collect();
+            }
+            if gradient.given_normals[mesh].is_some() {
+                gradient.given_normals[mesh] = given[mesh].clone();
+            }
+        }
+        let narrow = |c: [f64; 3]| -> Rgb { c.map(|x| x as f32) };
+        let fill = |wanted: &mut [Option<Rgb>], sums: &[[f64; 3]]| {
+            for (slot, sum) in wanted.iter_mut().zip(sums) {
+                if slot.is_some() {
+                    *slot = Some(narrow(*sum));
+                }
+            }
+        };
+        fill(&mut gradient.reflectance, &self.reflectance);
+        fill(&mut gradient.radiance, &self.radiance);
+        fill(std::slice::from_mut(&mut gradient.environment), &[self.environment]);
+        if gradient.camera.is_some() {
+            let sums = &self.camera;
+            let rotation: DVec3 =
+                camera.axes.iter().zip(sums.axes).map(|(axis, bar)| axis.as_dvec3().cross(bar)).sum();
+            let tan = camera.tan_half_x_fov;
+            gradient.camera = Some(CameraDifferential {
+                translation: sums.origin.as_vec3(),
+                rotation: rotation.as_vec3(),
+                x_fov_deg: (sums.tan_half_x_fov * 0.5 * (1.0 + tan * tan)).to_radians() as f32,
+            });
+        }
+        gradient
+    }
+}
+
+fn add_colours(sums: &mut [[f64; 3]], values: &[[f64; 3]]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        for c in 0..3 {
+            sum[c] += value[c];
+        }
+    }
+}
+
+/// Sums a vector's lanes that `bits` selects, in f64.
+pub fn sum_lanes(v: V3<Lane>, bits: u32) -> DVec3 {
+    let (x, y, z) = (v.x.to_array(), v.y.to_array(), v.z.to_array());
+    (0..LANES)
+        .filter(|&l| bits >> l & 1 == 1)
+        .map(|l| DVec3::new(x[l] as f64, y[l] as f64, z[l] as f64))
+        .sum()
+}

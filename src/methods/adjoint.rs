@@ -1,0 +1,174 @@
+//! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
+
+use super::stage::{GroupImages, Stage};
+use super::{BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics};
+use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
+use crate::gradient::reverse::ReverseSweep;
+use crate::lanes::LANES;
+use crate::paths::film::{Block, gather_point, gather_row};
+use crate::paths::tile::TracedTile;
+use crate::paths::tracer::{Counts, from_lanes};
+use crate::scene::{Rgb, Scene, SceneDifferential};
+use glam::Vec3;
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// The image that an objective is measured on gets its own random numbers: a loss and its derivative from the same
+/// samples would be correlated, and the gradient biased (METHODS §6).
+const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// d objective/d(everything in `request`).
+pub fn backward(
+    scene: &Scene,
+    settings: &Settings,
+    request: &SceneDifferential,
+    objective: &Objective,
+    progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    let mut statistics = Statistics::default();
+    let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
+    let visibility = settings.method == Method::Reparam && request.moves_geometry();
+    let stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    check_size(&adjoint, stage.size)?;
+
+    let start = Instant::now();
+    let wanted = Wanted::new(request);
+    let tracer = stage.tracer();
+    let sweep = ReverseSweep { tracer: &tracer, wanted: &wanted, visibility };
+    let scratch: Mutex<Vec<TileSums>> = Mutex::new(Vec::new());
+    let mut images = GroupImages::new(&stage);
+    let mut sums: Vec<FilmSums> = Vec::new();
+    let mut counts = Counts::default();
+    stage.for_each_tile(
+        progress,
+        |group, index| {
+            let tile = stage.lattice.tile(index, group, stage.seed);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, |a, b| sweep.moves(a, b));
+            let mut block = Block::new(&stage.filter, &traced.tile);
+            traced.splat(&traced.image.radiance, &mut block);
+            let free = scratch.lock().map_or(None, |mut s| s.pop());
+            let mut tile_sums = free.unwrap_or_else(|| TileSums::new(scene, &stage.geometry, &wanted));
+            let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
+            if let Ok(mut scratch) = scratch.lock() {
+                scratch.push(tile_sums);
+            }
+            (block, gradient, traced.counts)
+        },
+        |group, (block, gradient, tile_counts)| {
+            if sums.len() == group as usize {
+                sums.push(FilmSums::new(scene, &stage.geometry, &wanted));
+            }
+            images.add(group, &block);
+            sums[group as usize].add(&gradient);
+            counts += tile_counts;
+        },
+    )?;
+    statistics.add_counts(&counts);
+    statistics.add_seconds("adjoint", start);
+
+    let groups: Vec<SceneDifferential> =
+        sums.into_iter().map(|s| s.finish(scene, &stage.geometry, &stage.camera, request)).collect();
+    let gradient = SceneDifferential::mean(&groups);
+    let own = stage.image(images.finish().0);
+    let (loss, image) = match objective {
+        Objective::Adjoint(adjoint) => (product(&own, adjoint), own),
+        _ => (loss, image.unwrap_or(own)),
+    };
+    Ok(BackwardGradient { image, gradient, groups, loss, statistics })
+}
+
+/// The objective's value and derivative by the image, and the image they were taken at.
+fn evaluate(
+    scene: &Scene,
+    settings: &Settings,
+    objective: &Objective,
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+) -> Result<(f64, Image, Option<Image>), EngineError> {
+    let (target, is_l1) = match objective {
+        Objective::Adjoint(adjoint) => return Ok((0.0, (*adjoint).clone(), None)),
+        Objective::L1(target) => (target, true),
+        Objective::L2(target) => (target, false),
+    };
+    let settings = Settings { seed: settings.seed ^ OBJECTIVE_SEED, ..settings.clone() };
+    let rendering = super::render(scene, &settings, progress)?;
+    for (kind, count) in rendering.statistics.rays {
+        *statistics.rays.entry(kind).or_default() += count;
+    }
+    for (stage, seconds) in rendering.statistics.seconds {
+        *statistics.seconds.entry(stage).or_default() += seconds;
+    }
+    let image = rendering.image;
+    check_size(target, [image.width, image.height])?;
+    let scale = 1.0 / (3 * image.pixels.len()) as f64;
+    let mut loss = 0.0;
+    let derivative = |value: f32, target: f32, loss: &mut f64| {
+        let difference = (value - target) as f64;
+        let slope = if is_l1 {
+            *loss += difference.abs() * scale;
+            if difference == 0.0 { 0.0 } else { difference.signum() }
+        } else {
+            *loss += difference * difference * scale;
+            2.0 * difference
+        };
+        (slope * scale) as f32
+    };
+    let pixels = image
+        .pixels
+        .iter()
+        .zip(&target.pixels)
+        .map(|(value, target)| std::array::from_fn(|c| derivative(value[c], target[c], &mut loss)))
+        .collect();
+    let adjoint = Image { width: image.width, height: image.height, pixels };
+    Ok((loss, adjoint, Some(image)))
+}
+
+fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineError> {
+    if [image.width, image.height] == [width, height] {
+        return Ok(());
+    }
+    Err(EngineError::Refused(format!(
+        "the image given has {}×{} pixels, the rendering has {width}×{height}",
+        image.width, image.height
+    )))
+}
+
+fn product(a: &Image, b: &Image) -> f64 {
+    a.pixels.iter().flatten().zip(b.pixels.iter().flatten()).map(|(x, y)| *x as f64 * *y as f64).sum()
+}
+
+/// A tile's part of the gradient.
+fn differentiate(
+    stage: &Stage,
+    sweep: &ReverseSweep,
+    traced: &TracedTile,
+    adjoint: &[Rgb],
+    sums: &mut TileSums,
+) -> TileGradient {
+    let [columns, rows] = traced.tile.points;
+    let width = stage.size[0];
+    let mut bars = vec![[0.0; 3]; columns * rows];
+    let mut row_bars = Vec::new();
+    for (row, y_taps) in traced.taps[1].iter().enumerate() {
+        gather_row(adjoint, width, &traced.taps[0], y_taps, &mut row_bars);
+        bars[row * columns..(row + 1) * columns].copy_from_slice(&row_bars);
+    }
+    for (number, packet) in traced.packets(sweep.tracer.adjacency.is_some()).enumerate() {
+        let mut lanes = [Vec3::ZERO; LANES];
+        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+            lanes[lane] = Vec3::from(bars[packet.row * columns + packet.column + lane]);
+        }
+        if lanes.iter().any(|b| *b != Vec3::ZERO) {
+            sweep.add_path(&traced.store, number, [packet.u, packet.v], from_lanes(&lanes), sums);
+        }
+    }
+    for crossing in &traced.store.film_crossings {
+        let line = traced.tile.step[1 - crossing.axis as usize] as f32;
+        let [x, y] = [0, 1].map(|i| stage.filter.taps(i, crossing.at[i]));
+        let bar = gather_point(adjoint, width, &x, &y).map(|c| c * line);
+        if bar != [0.0; 3] {
+            sweep.add_film_crossing(crossing, bar, sums);
+        }
+    }
+    sums.take()
+}
