@@ -129,7 +129,7 @@ impl Finder<'_> {
                     let before_is_bright = pole_is_dark == (sign > 0.0);
                     let jump = radiance.map(|r| if before_is_bright { r } else { -r });
                     match found {
-                        Some((edge, s)) => self.push(lane, axis, Boundary::Edge(edge), direction(s), jump),
+                        Some((fold, s)) => self.push(lane, axis, Boundary::Edge(fold.edge), direction(s), jump),
                         None => self.counts.unresolved += 1,
                     }
                 }
@@ -166,8 +166,9 @@ impl Finder<'_> {
                 let arc = Arc { origin, a: a.0, b: b.0 };
                 match between(self.tracer.geometry, self.adjacency, &arc, a.1, b.1) {
                     Between::Nothing => {}
-                    Between::Crossing { boundary, s } => found.push((axis, boundary, arc, s)),
-                    Between::Ridge { edge, s, .. } => found.push((axis, Boundary::Edge(edge), arc, s)),
+                    Between::Crease { boundary, s } => found.push((axis, boundary, arc, s)),
+                    Between::Silhouette(fold) | Between::Ridge(fold) =>
+                        found.push((axis, Boundary::Edge(fold.edge), arc, fold.s)),
                     Between::Unresolved => self.counts.unresolved += 1,
                 }
             }

@@ -14,7 +14,7 @@ use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3};
 use crate::warp::resolve::{Between, between};
-use crate::warp::walk::Arc;
+use crate::warp::walk::{Arc, Fold};
 
 /// What the lattice of a tile saw: row by row.
 pub struct LatticeImage {
@@ -58,10 +58,9 @@ pub fn find(
                         *unresolved += 1;
                         continue;
                     }
-                    Between::Crossing { boundary, s } => (boundary, s),
-                    Between::Ridge { edge, s, point } => {
-                        let [p, q] = edge.map(|v| tracer.geometry.positions[v as usize].as_dvec3());
-                        let along = (point - p).dot(q - p) / (q - p).length_squared();
+                    Between::Crease { boundary, s } => (boundary, s),
+                    Between::Silhouette(fold) => (Boundary::Edge(fold.edge), fold.s),
+                    Between::Ridge(Fold { edge, along, s, .. }) => {
                         (Boundary::Point { edge, along, line: per_pixel[1 - axis] }, s)
                     }
                 };

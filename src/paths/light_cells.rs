@@ -146,11 +146,11 @@ impl Cell {
         let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
         let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
         let from_surface = SurfacePoint::of_lane(surface, self.lane);
-        let (edge, at) =
+        let (fold, at) =
             follow_occluders(tracer, adjacency, &from_surface, &point, [from, to], SHADOW_FAR, counts)?;
         let fixed = self.fixed as f64;
         Some(LightCrossing {
-            boundary: Boundary::Edge(edge),
+            boundary: Boundary::Point { edge: fold.edge, along: fold.along, line: patch.edges[1 - self.axis].as_dvec3() },
             lane: self.lane as u8,
             axis: self.axis as u8,
             patch: self.patch,

@@ -4,7 +4,7 @@ use super::tracer::{Counts, Surface, Tracer, lane_of};
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::{Coherence, Hits, MISS, Rays};
 use crate::warp::adjacency::Adjacency;
-use crate::warp::walk::{Arc, Walk, walk};
+use crate::warp::walk::{Arc, Fold, Walk, walk};
 use glam::{DVec3, Vec3};
 
 /// How far beyond a silhouette the probe looks, as a fraction of the cell.
@@ -42,7 +42,7 @@ impl SurfacePoint {
 
 /// Walks from the occluder that stands in the direction of coordinate `from` toward the free direction of
 /// coordinate `to`; where another occluder stands behind the silhouette, on along that one. Returns the last
-/// silhouette's edge and its coordinate. `direction` is linear in the coordinate up to its length.
+/// silhouette and its coordinate. `direction` is linear in the coordinate up to its length.
 pub fn follow_occluders(
     tracer: &Tracer,
     adjacency: &Adjacency,
@@ -51,7 +51,7 @@ pub fn follow_occluders(
     [from, to]: [f64; 2],
     far: f32,
     counts: &mut Counts,
-) -> Option<([u32; 2], f64)> {
+) -> Option<(Fold, f64)> {
     let origin = point.x.as_dvec3();
     let mut at = from;
     for _ in 0..MAX_OCCLUDERS {
@@ -65,7 +65,7 @@ pub fn follow_occluders(
         at = crossing + PROBE * (to - from);
         let is_past_end = (to - at) * (to - from) <= 0.0;
         if is_past_end || point.first_hit(tracer, direction(at), far, counts) == NO_TRIANGLE {
-            return Some((fold.edge, crossing));
+            return Some((fold, crossing));
         }
     }
     None

@@ -3,11 +3,14 @@
 //! Seen from o, a boundary is the zero set of F(o, d; vertices) over directions d (`kernels::silhouette`). F is
 //! linear in d: F = c·d. If the directions of a domain are d(u) with two coordinates u, the boundary crosses u
 //! where F(d(u)) = 0 and moves so that ∇F·V + Ḟ = 0, with Ḟ the derivative by the parameters at fixed u. Of all
-//! velocities V that satisfy this only the part along ∇F matters; we take the shortest in the domain's metric M:
+//! velocities V that satisfy this only the part along ∇F matters; the shortest in the domain's metric M is
 //! V = −Ḟ M⁻¹∇F / (∇F·M⁻¹∇F).
 //!
-//! This is Loubet's rotation (2019, §4) of the direction to a followed point, with the point followed being the
-//! one on the silhouette: its rotation's component across the boundary is the only one that acts.
+//! Another is that of a point which keeps its place on the edge: Loubet's rotation (2019, §4) of the direction to a
+//! followed point. On lights, whose cells are large, it is the better one: two silhouettes of one moving object that fall
+//! into the same cell are missed together, and with V the velocity of the object itself, the same at both, what is
+//! missed cancels. On the film cells are smaller than pixels, and the shortest V has less variance (both measured in
+//! docs/method.md). Its part along axis 0 is that of a line through the point along axis 1: it too is written as an F.
 
 use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
 use crate::kernels::silhouette::{crease_side, edge_side};

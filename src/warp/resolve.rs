@@ -9,38 +9,39 @@ use super::adjacency::Adjacency;
 use super::boundary::Boundary;
 use super::walk::{Arc, Fold, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
-use glam::DVec3;
 
 /// What lies between two rays.
 #[derive(Clone, Copy, Debug)]
 pub enum Between {
     /// One connected surface, or nothing at all.
     Nothing,
-    /// A boundary, at parameter `s` of the arc.
-    Crossing { boundary: Boundary, s: f64 },
-    /// One flat-shaded surface, with an edge on it at which its shading jumps. Where several lie between the rays they are
-    /// summed up in one, which is followed as a point.
-    Ridge { edge: [u32; 2], s: f64, point: DVec3 },
-    /// There must be one, and it was not found.
+    Silhouette(Fold),
+    /// An edge of a flat-shaded surface that both rays see, across which its shading jumps. Where several such edges
+    /// lie between the rays the sharpest stands for all: it must be followed as a point, whose velocity they share.
+    Ridge(Fold),
+    /// Two surfaces that pass through each other, at parameter `s` of the arc.
+    Crease { boundary: Boundary, s: f64 },
+    /// There must be something, and it was not found.
     Unresolved,
 }
 
 impl Between {
-    fn fold(fold: Fold, from_end: bool) -> Self {
-        let s = if from_end { 1.0 - fold.s } else { fold.s };
-        Between::Crossing { boundary: Boundary::Edge(fold.edge), s: s.clamp(0.0, 1.0) }
+    fn silhouette(fold: Fold, from_end: bool) -> Self {
+        Between::Silhouette(seen_from_start(fold, from_end))
     }
 
     fn ridge(geometry: &Geometry, triangle: u32, ridge: Option<Fold>, from_end: bool) -> Self {
         let smooth = geometry.smooth[geometry.mesh_of_triangle[triangle as usize] as usize];
         match ridge {
-            Some(fold) if !smooth => {
-                let s = if from_end { 1.0 - fold.s } else { fold.s };
-                Between::Ridge { edge: fold.edge, s: s.clamp(0.0, 1.0), point: fold.point }
-            }
+            Some(fold) if !smooth => Between::Ridge(seen_from_start(fold, from_end)),
             _ => Between::Nothing,
         }
     }
+}
+
+fn seen_from_start(fold: Fold, from_end: bool) -> Fold {
+    let s = if from_end { 1.0 - fold.s } else { fold.s };
+    Fold { s: s.clamp(0.0, 1.0), ..fold }
 }
 
 /// What lies between two rays that both look for the nearest surface; [`NO_TRIANGLE`] for a ray that hit none.
@@ -57,10 +58,10 @@ pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b:
         (_, Some(Walk::Reached(ridge))) => Between::ridge(geometry, b, ridge, true),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
-            if distance(&f) <= distance(&g) { Between::fold(f, false) } else { Between::fold(g, true) }
+            if distance(&f) <= distance(&g) { Between::silhouette(f, false) } else { Between::silhouette(g, true) }
         }
-        (Some(Walk::Fold(f)), _) => Between::fold(f, false),
-        (_, Some(Walk::Fold(g))) => Between::fold(g, true),
+        (Some(Walk::Fold(f)), _) => Between::silhouette(f, false),
+        (_, Some(Walk::Fold(g))) => Between::silhouette(g, true),
         (Some(Walk::Continues), Some(Walk::Continues)) => crease(geometry, arc, a, b),
         _ => Between::Unresolved,
     }
@@ -72,5 +73,5 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Between {
     let c = boundary.normal(geometry, arc.origin);
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
     let s = at_a / (at_a - at_b);
-    if (0.0..=1.0).contains(&s) { Between::Crossing { boundary, s } } else { Between::Unresolved }
+    if (0.0..=1.0).contains(&s) { Between::Crease { boundary, s } } else { Between::Unresolved }
 }

@@ -24,6 +24,8 @@ pub struct Fold {
     pub edge: [u32; 2],
     /// Where on the arc: the direction there is parallel to (1−s)·d_a + s·d_b.
     pub s: f64,
+    /// Where on the edge, from its first vertex to its second.
+    pub along: f64,
     /// The point on the edge.
     pub point: DVec3,
 }
@@ -81,7 +83,7 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
         let vertices = corners(triangle);
         let points = vertices.map(position);
         let side = points.map(|p| normal.dot(p));
-        let mut exit: Option<(usize, f64, DVec3)> = None;
+        let mut exit: Option<(usize, f64, f64, DVec3)> = None;
         for corner in 0..3 {
             let next = (corner + 1) % 3;
             if Some(corner) == entered_by || (side[corner] >= 0.0) == (side[next] >= 0.0) {
@@ -91,17 +93,17 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
             let point = points[corner].lerp(points[next], along);
             // In the first triangle the ray itself passes between the two crossings: the way out is toward b.
             let toward_b = normal.dot(arc.a.cross(point));
-            if exit.is_none_or(|(_, best, _)| toward_b > best) {
-                exit = Some((corner, toward_b, point));
+            if exit.is_none_or(|(_, best, ..)| toward_b > best) {
+                exit = Some((corner, toward_b, along, point));
             }
         }
-        let Some((corner, toward_b, point)) = exit else { return Walk::Lost };
+        let Some((corner, toward_b, along, point)) = exit else { return Walk::Lost };
         let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
         if s >= 1.0 {
             return Walk::Continues;
         }
         let edge = [vertices[corner], vertices[(corner + 1) % 3]];
-        let fold = Fold { edge, s, point: point + arc.origin };
+        let fold = Fold { edge, s, along, point: point + arc.origin };
         let Some(across) = adjacency.across(triangle, corner) else { return Walk::Fold(fold) };
         facing ^= across.flipped;
         if faces(across.triangle) != facing {
