@@ -1,0 +1,11 @@
+//! The scene file as a tree of plugins with typed properties: everything that is XML and not yet scene.
+
+mod plugins;
+mod properties;
+mod reader;
+mod substitution;
+mod transform;
+mod values;
+
+pub(super) use properties::{Child, Object, Tree};
+pub(super) use reader::read_tree;
