@@ -3,7 +3,7 @@
 use super::data::{Film, Filter, Integrator, Sensor};
 use super::error::SceneError;
 use super::xml::{Object, Tree};
-use glam::{DAffine3, DVec3, Vec2};
+use glam::{DAffine3, Vec2};
 
 /// As far as a transform may be from rigid: Mitsuba's tolerance on the Gram matrix.
 const RIGID_TOLERANCE: f64 = 1e-3;
@@ -115,7 +115,7 @@ fn rigid(object: &Object) -> Result<DAffine3, SceneError> {
     let z = x.cross(y) * m.determinant().signum();
     Ok(DAffine3::from_mat3_translation(
         glam::DMat3::from_cols(x, y, z),
-        DVec3::from(to_world.translation),
+        to_world.translation,
     ))
 }
 

@@ -77,14 +77,6 @@ impl<'a> Loader<'a> {
     fn everything(&mut self) -> Result<(), SceneError> {
         let tree = self.tree;
         let root = &tree.objects[0];
-        // Bsdfs of the scene first: Mitsuba lists their colours under their own id, whichever shapes use them.
-        for child in &root.children {
-            let object = &tree.objects[child.object];
-            if object.tag == "bsdf" {
-                let key = self.names.of(object);
-                self.materials.bsdf(tree, child.object, &key)?;
-            }
-        }
         for child in &root.children {
             let object = &tree.objects[child.object];
             if object.tag != "bsdf" && !self.met.insert(child.object) {
@@ -110,6 +102,13 @@ impl<'a> Loader<'a> {
                 "shape" => self.shape(object)?,
                 "emitter" => self.environment(object)?,
                 _ => return Err(camera::cannot_stand_inside(child, object, root)),
+            }
+        }
+        for child in &root.children {
+            let object = &tree.objects[child.object];
+            if object.tag == "bsdf" {
+                let key = self.names.of(object);
+                self.materials.unused(tree, child.object, &key)?;
             }
         }
         Ok(())

@@ -6,45 +6,55 @@ use super::error::SceneError;
 use super::xml::{Object, Tree};
 use std::collections::HashMap;
 
-/// Materials so far, by the bsdf element they come from.
+/// Materials so far.
 #[derive(Default)]
 pub(super) struct Materials {
     pub list: Vec<Material>,
-    by_object: HashMap<usize, usize>,
-    /// For each `diffuse` element the material that its colour went into.
-    diffuse_used_by: HashMap<usize, usize>,
+    /// For each `diffuse` element the material that its colour went into: a colour used in several places is
+    /// one parameter.
+    by_diffuse: HashMap<usize, usize>,
 }
 
 impl Materials {
-    /// The material of the bsdf object `index`, listed under `key` if it is new.
+    /// The material of the bsdf object `index`, listed under the bsdf's id or else under `key` if it is new.
     pub fn bsdf(&mut self, tree: &Tree, index: usize, key: &str) -> Result<usize, SceneError> {
-        if let Some(&material) = self.by_object.get(&index) {
-            return Ok(material);
-        }
         let object = &tree.objects[index];
-        let mut diffuse_index = index;
         let two_sided = object.plugin == "twosided";
-        if two_sided {
-            diffuse_index = nested(tree, object)?;
-        }
+        let diffuse_index = if two_sided {
+            nested(tree, object)?
+        } else {
+            index
+        };
         let diffuse = &tree.objects[diffuse_index];
-        let material = self.list.len();
-        if self
-            .diffuse_used_by
-            .insert(diffuse_index, material)
-            .is_some()
-        {
-            let what = "this bsdf is used in two places, at least one of them a twosided: that is not \
-                        supported yet; write it out twice";
+        if let Some(&material) = self.by_diffuse.get(&diffuse_index) {
+            if self.list[material].two_sided == two_sided {
+                return Ok(material);
+            }
+            let what = "this bsdf is used both inside a twosided and without: that is not supported yet; \
+                        write it out twice";
             return Err(diffuse.error(what));
         }
         self.list.push(Material {
-            key: key.to_string(),
+            key: object.id.as_deref().unwrap_or(key).to_string(),
             reflectance: reflectance(tree, diffuse)?,
             two_sided,
         });
-        self.by_object.insert(index, material);
-        Ok(material)
+        self.by_diffuse.insert(diffuse_index, self.list.len() - 1);
+        Ok(self.list.len() - 1)
+    }
+
+    /// A bsdf of the scene that no shape uses: it is listed, unless its colour already is.
+    pub fn unused(&mut self, tree: &Tree, index: usize, key: &str) -> Result<(), SceneError> {
+        let object = &tree.objects[index];
+        let diffuse = if object.plugin == "twosided" {
+            nested(tree, object)?
+        } else {
+            index
+        };
+        if !self.by_diffuse.contains_key(&diffuse) {
+            self.bsdf(tree, index, key)?;
+        }
+        Ok(())
     }
 
     /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.

@@ -9,6 +9,7 @@ mod material;
 pub mod mesh;
 mod names;
 mod nearest;
+pub mod parameters;
 mod shape;
 pub mod source;
 pub mod vertex_normals;
