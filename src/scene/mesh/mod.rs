@@ -3,6 +3,7 @@
 mod finish;
 pub mod obj;
 pub mod ply;
+mod ply_record;
 pub(super) mod primitives;
 
 pub(super) use finish::{Placement, finish};

@@ -1,16 +1,11 @@
 //! PLY files: ASCII and binary of either byte order.
 
+use super::ply_record::{CORNER_LISTS, Record, Words};
 use super::{MeshError, RawMesh, fan};
 use glam::Vec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    BeginList, ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult,
-    PropertyType, ScalarType,
-};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use std::io::ErrorKind;
-
-/// Names under which files keep the corners of their faces.
-const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Reads a PLY file. Memory stays in proportion to the bytes that are there, whatever the header claims.
 pub fn parse(bytes: &[u8]) -> Result<RawMesh, MeshError> {
@@ -58,71 +53,6 @@ pub fn parse(bytes: &[u8]) -> Result<RawMesh, MeshError> {
         }
     }
     mesh.finish()
-}
-
-/// One vertex, face, or anything else: what of it a mesh needs.
-#[derive(Default)]
-struct Record {
-    position: [f32; 3],
-    normal: [f32; 3],
-    /// Corners of a face. Two kinds, because the parser fills a vector of the type the file has.
-    signed_corners: Vec<i32>,
-    corners: Vec<u32>,
-    bad_corners: bool,
-}
-
-impl Record {
-    fn set_number(&mut self, name: &str, value: f32) -> PropertyAccessResult {
-        match name {
-            "x" => self.position[0] = value,
-            "y" => self.position[1] = value,
-            "z" => self.position[2] = value,
-            "nx" => self.normal[0] = value,
-            "ny" => self.normal[1] = value,
-            "nz" => self.normal[2] = value,
-            _ => return PropertyAccessResult::Ignored,
-        }
-        PropertyAccessResult::Set
-    }
-}
-
-impl PropertyAccess for Record {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_float(&mut self, name: &str, value: f32) -> PropertyAccessResult {
-        self.set_number(name, value)
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if let Some(value) = property.to_f32_lossy() {
-            return self.set_number(name, value);
-        }
-        if CORNER_LISTS.contains(&name) {
-            match property.to_u32_list() {
-                Some(corners) => self.corners = corners,
-                None => self.bad_corners = true,
-            }
-        }
-        PropertyAccessResult::Ignored
-    }
-
-    fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {
-        if CORNER_LISTS.contains(&name) {
-            BeginList::Fill(&mut self.signed_corners)
-        } else {
-            BeginList::UseSetter
-        }
-    }
-
-    fn begin_list_uint(&mut self, name: &str, _len: usize) -> BeginList<'_, u32> {
-        if CORNER_LISTS.contains(&name) {
-            BeginList::Fill(&mut self.corners)
-        } else {
-            BeginList::UseSetter
-        }
-    }
 }
 
 type Elements = ply_rs_bw::ply::KeyMap<ElementDef>;
@@ -328,90 +258,5 @@ impl MeshBuilder {
             return Err(MeshError::new("", "the mesh has no faces"));
         }
         Ok(self.mesh)
-    }
-}
-
-/// The values of an ASCII file, with the line each is on.
-struct Words<'a> {
-    lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    line: std::str::SplitAsciiWhitespace<'a>,
-    line_number: usize,
-    first_line_number: usize,
-}
-
-impl<'a> Words<'a> {
-    fn new(text: &'a str, first_line_number: usize) -> Self {
-        Self {
-            lines: text.lines().enumerate(),
-            line: "".split_ascii_whitespace(),
-            line_number: first_line_number,
-            first_line_number,
-        }
-    }
-
-    fn next(&mut self) -> Option<&'a str> {
-        loop {
-            if let Some(word) = self.line.next() {
-                return Some(word);
-            }
-            let (index, line) = self.lines.next()?;
-            self.line_number = self.first_line_number + index;
-            self.line = line.split_ascii_whitespace();
-        }
-    }
-
-    fn number<T: std::str::FromStr>(
-        &mut self,
-        element: &ElementDef,
-        index: usize,
-    ) -> Result<T, MeshError> {
-        let Some(word) = self.next() else {
-            let what = format!(
-                "the file is truncated: it ends after {index} of {} in \"{}\"",
-                element.count, element.name
-            );
-            return Err(MeshError::new(format!(":{}", self.line_number), what));
-        };
-        word.parse().map_err(|_| {
-            let what = format!(
-                "\"{}\" is no such number as {} {index} has there",
-                crate::scene::nearest::shown(word),
-                element.name
-            );
-            MeshError::new(format!(":{}", self.line_number), what)
-        })
-    }
-
-    fn record(&mut self, element: &ElementDef, index: usize) -> Result<Record, MeshError> {
-        let mut record = Record::default();
-        for (name, property) in &element.properties {
-            match property.data_type {
-                PropertyType::Scalar(_) => {
-                    let value = self.number::<f32>(element, index)?;
-                    record.set_number(name, value);
-                }
-                PropertyType::List(..) => {
-                    let is_corners = CORNER_LISTS.contains(&name.as_str());
-                    for _ in 0..self.number::<u32>(element, index)? {
-                        if is_corners {
-                            record.corners.push(self.number::<u32>(element, index)?);
-                        } else {
-                            self.number::<f64>(element, index)?;
-                        }
-                    }
-                }
-            }
-        }
-        Ok(record)
-    }
-
-    fn refuse_more(&mut self) -> Result<(), MeshError> {
-        match self.next() {
-            None => Ok(()),
-            Some(_) => Err(MeshError::new(
-                format!(":{}", self.line_number),
-                "there is more after the last element",
-            )),
-        }
     }
 }

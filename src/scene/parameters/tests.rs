@@ -5,7 +5,6 @@ use crate::scene::SceneDifferential;
 use crate::scene::data::{Normals, Scene};
 use crate::scene::load_from;
 use crate::scene::source::Memory;
-use glam::DMat3;
 
 const PLY_WITH_NORMALS: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
     property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 2\n\
@@ -144,8 +143,7 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
         .map(|(a, b)| (a - b) / (2.0 * step))
         .collect();
     // dM = [ω]× M, so ω stands in the antisymmetric part of dM·Mᵀ.
-    let matrix =
-        |s: &Scene| DMat3::from(glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3());
+    let matrix = |s: &Scene| glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3();
     let spin = (matrix(plus) - matrix(minus)) * matrix(base).transpose() * (0.25 / step);
     out.push(spin.y_axis.z - spin.z_axis.y);
     out.push(spin.z_axis.x - spin.x_axis.z);

@@ -1,8 +1,11 @@
 //! The scene file as a tree of plugins with typed properties: everything that is XML and not yet scene.
 
+mod file;
 mod plugins;
 mod properties;
+mod property;
 mod reader;
+mod references;
 mod substitution;
 mod transform;
 mod values;

@@ -1,18 +1,16 @@
 //! From XML text to the [`Tree`]: substitution, includes, references, with their limits.
 
+use super::file::{File, folder_of, no_elements_inside, unknown_tag, utf8};
 use super::plugins;
-use super::properties::{Child, Object, Property, Tree, Value};
+use super::properties::{Child, Object, Property, Tree};
 use super::substitution::Substitutions;
-use super::{transform, values};
 use crate::scene::error::{Place, SceneError};
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::shown;
 use crate::scene::source::{FileSource, Fnv1a, read_file};
-use glam::DAffine3;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Elements inside elements, counted through includes.
 const MAX_DEPTH: usize = 64;
@@ -54,77 +52,27 @@ pub(in crate::scene) fn read_tree(
     Ok(reader.tree)
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     files: &'a dyn FileSource,
-    hash: &'a mut Fnv1a,
-    substitutions: Substitutions,
-    tree: Tree,
+    pub(super) hash: &'a mut Fnv1a,
+    pub(super) substitutions: Substitutions,
+    pub(super) tree: Tree,
     /// Objects by id.
-    ids: HashMap<String, usize>,
+    pub(super) ids: HashMap<String, usize>,
     /// `<ref>` elements, resolved once everything is read: a reference may come before its object.
-    references: Vec<Reference>,
+    pub(super) references: Vec<Reference>,
     /// The files being read, outermost first.
     open_files: Vec<PathBuf>,
     includes: usize,
 }
 
-struct Reference {
-    parent: usize,
+pub(super) struct Reference {
+    pub(super) parent: usize,
     /// Position among the parent's children.
-    position: usize,
-    id: String,
-    name: String,
-    place: Place,
-}
-
-/// One file while its elements are read.
-struct File {
-    name: Arc<str>,
-    folder: Arc<PathBuf>,
-    line_starts: Vec<usize>,
-    text: String,
-}
-
-/// The attributes of an element after substitution.
-struct Attributes(Vec<(String, String)>);
-
-impl Attributes {
-    fn get(&self, name: &str) -> Option<String> {
-        let found = self.0.iter().find(|(n, _)| n == name);
-        found.map(|(_, value)| value.clone())
-    }
-
-    /// Present: checked by `expect`.
-    fn text(&self, name: &str) -> String {
-        self.get(name).unwrap_or_default()
-    }
-}
-
-fn folder_of(path: &Path) -> PathBuf {
-    path.parent().unwrap_or(Path::new("")).to_path_buf()
-}
-
-impl File {
-    fn new(path: &Path, text: String) -> Self {
-        let after_newlines = text.match_indices('\n').map(|(at, _)| at + 1);
-        Self {
-            name: path.display().to_string().into(),
-            folder: Arc::new(folder_of(path)),
-            line_starts: std::iter::once(0).chain(after_newlines).collect(),
-            text,
-        }
-    }
-
-    fn place(&self, node: &Node) -> Place {
-        let at = node.range().start;
-        let line = self.line_starts.partition_point(|&start| start <= at);
-        let start = self.line_starts[line - 1];
-        Place {
-            file: self.name.clone(),
-            line: line as u32,
-            column: self.text[start..at].chars().count() as u32 + 1,
-        }
-    }
+    pub(super) position: usize,
+    pub(super) id: String,
+    pub(super) name: String,
+    pub(super) place: Place,
 }
 
 impl Reader<'_> {
@@ -365,82 +313,6 @@ impl Reader<'_> {
         self.children(file, node, index, depth)
     }
 
-    fn property(&mut self, file: &File, node: Node) -> Result<(String, Value), SceneError> {
-        let tag = node.tag_name().name();
-        let place = file.place(&node);
-        let simple = ["boolean", "integer", "float", "string", "rgb", "srgb"];
-        let a = match tag {
-            "transform" => {
-                let a = self.attributes(file, node, &["name"], &[])?;
-                return Ok((
-                    a.text("name"),
-                    Value::Transform(self.transform(file, node)?),
-                ));
-            }
-            "point" | "vector" => {
-                self.attributes(file, node, &["name"], &["value", "x", "y", "z"])?
-            }
-            "spectrum" => self.attributes(file, node, &["name"], &["value", "filename"])?,
-            _ if simple.contains(&tag) => self.attributes(file, node, &["name", "value"], &[])?,
-            "translate" | "rotate" | "scale" | "lookat" | "matrix" => {
-                let what = format!("<{tag}> can only stand inside <transform>");
-                return Err(SceneError::at(&place, what));
-            }
-            _ => return Err(unknown_tag(&place, tag)),
-        };
-        let text = a.text("value");
-        let value = match tag {
-            "boolean" => values::boolean(&text).map(Value::Boolean),
-            "integer" => values::integer(&text).map(Value::Integer),
-            "float" => values::number(&text).map(Value::Float),
-            "string" => Ok(Value::String(text)),
-            "rgb" => values::rgb(&text).map(Value::Rgb),
-            "srgb" => values::srgb(&text).map(Value::Rgb),
-            "spectrum" => match a.get("filename") {
-                Some(_) => Err("spectra from files are not supported; use <rgb>".to_string()),
-                None => values::number(&text).map(Value::Grey).map_err(|e| {
-                    format!("{e}; only a plain number (grey) is supported here, or use <rgb>")
-                }),
-            },
-            _ => transform::xyz(&|name| a.get(name), 0.0).map(Value::Vector),
-        };
-        let value = value.map_err(|e| SceneError::at(&place, format!("<{tag}>: {e}")))?;
-        Ok((a.text("name"), value))
-    }
-
-    fn transform(&mut self, file: &File, node: Node) -> Result<DAffine3, SceneError> {
-        let mut whole = DAffine3::IDENTITY;
-        for child in node.children().filter(Node::is_element) {
-            let tag = child.tag_name().name();
-            let place = file.place(&child);
-            let (required, optional): (&[&str], &[&str]) = match tag {
-                "translate" | "scale" => (&[], &["value", "x", "y", "z"]),
-                "rotate" => (&["angle"], &["value", "x", "y", "z"]),
-                "lookat" => (&["origin", "target"], &["up"]),
-                "matrix" => (&["value"], &[]),
-                _ => {
-                    let known = ["translate", "rotate", "scale", "lookat", "matrix"];
-                    let what = format!(
-                        "<{}> cannot stand inside <transform>{}",
-                        shown(tag),
-                        nearest_hint(tag, known)
-                    );
-                    return Err(SceneError::at(&place, what));
-                }
-            };
-            let a = self.attributes(file, child, required, optional)?;
-            let operation = transform::operation(tag, &|name| a.get(name));
-            let operation =
-                operation.map_err(|e| SceneError::at(&place, format!("<{tag}>: {e}")))?;
-            whole = operation * whole;
-            if !whole.as_affine3a().is_finite() {
-                return Err(SceneError::at(&place, "the transform is no longer finite"));
-            }
-            no_elements_inside(file, child, tag)?;
-        }
-        Ok(whole)
-    }
-
     fn include(
         &mut self,
         file: &File,
@@ -471,160 +343,6 @@ impl Reader<'_> {
         match refusal {
             Some(what) => Err(SceneError::at(&place, what)),
             None => self.read_file(&path, Some(parent), depth + 1),
-        }
-    }
-
-    /// Substitutes in all attributes and checks their names.
-    fn attributes(
-        &mut self,
-        file: &File,
-        node: Node,
-        required: &[&str],
-        optional: &[&str],
-    ) -> Result<Attributes, SceneError> {
-        let place = file.place(&node);
-        let tag = node.tag_name().name();
-        self.hash.write(tag.as_bytes());
-        let mut out = Vec::new();
-        for attribute in node.attributes() {
-            let name = attribute.name();
-            let known = required.iter().chain(optional).copied();
-            if !known.clone().any(|k| k == name) {
-                let what = format!(
-                    "<{}> has no attribute \"{}\"{}",
-                    shown(tag),
-                    shown(name),
-                    nearest_hint(name, known)
-                );
-                return Err(SceneError::at(&place, what));
-            }
-            let value = self.substitutions.substitute(attribute.value());
-            let value = value.map_err(|e| SceneError::at(&place, e))?;
-            for part in [name, &value] {
-                self.hash.write(part.as_bytes());
-                self.hash.write(&[0]);
-            }
-            out.push((name.to_string(), value));
-        }
-        for name in required {
-            if !out.iter().any(|(n, _)| n == name) {
-                let what = format!("<{}> lacks the attribute \"{name}\"", shown(tag));
-                return Err(SceneError::at(&place, what));
-            }
-        }
-        Ok(Attributes(out))
-    }
-
-    fn resolve_references(&mut self) -> Result<(), SceneError> {
-        for reference in &self.references {
-            let Some(&target) = self.ids.get(&reference.id) else {
-                let what = format!(
-                    "no object has the id \"{}\"{}",
-                    shown(&reference.id),
-                    nearest_hint(&reference.id, self.ids.keys().map(String::as_str))
-                );
-                return Err(SceneError::at(&reference.place, what));
-            };
-            let child = &mut self.tree.objects[reference.parent].children[reference.position];
-            child.object = target;
-            child.name.clone_from(&reference.name);
-        }
-        self.refuse_cycles()
-    }
-
-    /// An object that contains itself would never be finished. Objects in place are younger than what they
-    /// are in, so every cycle goes through a reference.
-    fn refuse_cycles(&self) -> Result<(), SceneError> {
-        #[derive(Clone, Copy, PartialEq)]
-        enum State {
-            New,
-            Open,
-            Done,
-        }
-        let mut states = vec![State::New; self.tree.objects.len()];
-        // (object, next child to visit): an explicit stack, for chains of references can be long.
-        let mut stack = vec![(0, 0)];
-        while let Some((object, next)) = stack.pop() {
-            states[object] = State::Open;
-            let Some(child) = self.tree.objects[object].children.get(next) else {
-                states[object] = State::Done;
-                continue;
-            };
-            stack.push((object, next + 1));
-            match states[child.object] {
-                State::New => stack.push((child.object, 0)),
-                State::Done => {}
-                State::Open => {
-                    let what = "the reference makes the object contain itself";
-                    return Err(SceneError::at(&child.place, what));
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Tree {
-    /// The path of a file named in an element of a file in `folder`; the error is a sentence.
-    pub fn find_file(
-        &self,
-        files: &dyn FileSource,
-        folder: &Path,
-        name: &str,
-    ) -> Result<PathBuf, String> {
-        if name.is_empty() {
-            return Err("the file name is empty".to_string());
-        }
-        let folders = self.search_folders.iter().map(PathBuf::as_path);
-        let folders = folders.chain([folder, &self.scene_folder]);
-        // Joining an absolute path gives that path.
-        let mut tried = folders.map(|f| f.join(name));
-        tried.find(|path| files.exists(path)).ok_or_else(|| {
-            format!(
-                "file \"{}\" is not there (looked in {}{})",
-                shown(name),
-                if folder.as_os_str().is_empty() {
-                    "."
-                } else {
-                    ""
-                },
-                folder.display()
-            )
-        })
-    }
-}
-
-fn utf8(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
-    String::from_utf8(bytes).map_err(|e| {
-        let good = &e.as_bytes()[..e.utf8_error().valid_up_to()];
-        let line_start = good
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |at| at + 1);
-        let place = Place {
-            file: path.display().to_string().into(),
-            line: good.iter().filter(|&&b| b == b'\n').count() as u32 + 1,
-            column: String::from_utf8_lossy(&good[line_start..]).chars().count() as u32 + 1,
-        };
-        SceneError::at(&place, "the file is not UTF-8 text")
-    })
-}
-
-fn unknown_tag(place: &Place, tag: &str) -> SceneError {
-    let hint = nearest_hint(tag, plugins::all_tags());
-    SceneError::at(place, format!("unknown element <{}>{hint}", shown(tag)))
-}
-
-fn no_elements_inside(file: &File, node: Node, tag: &str) -> Result<(), SceneError> {
-    if tag == "transform" {
-        return Ok(());
-    }
-    match node.children().find(Node::is_element) {
-        None => Ok(()),
-        Some(child) => {
-            let inner = shown(child.tag_name().name());
-            let what = format!("<{inner}> cannot stand inside <{}>", shown(tag));
-            Err(SceneError::at(&file.place(&child), what))
         }
     }
 }
