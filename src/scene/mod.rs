@@ -1,7 +1,22 @@
-//! The scene as plain data, and its tangents and cotangents.
+//! The scene as plain data, how it is loaded, and its tangents and cotangents.
 
+mod camera;
 pub mod data;
 pub mod differential;
+pub mod error;
+mod load;
+mod material;
+pub mod mesh;
+mod names;
+mod nearest;
+pub mod parameters;
+mod shape;
+pub mod source;
+pub mod vertex_normals;
+mod xml;
 
 pub use data::*;
 pub use differential::{CameraDifferential, SceneDifferential};
+pub use error::{Place, SceneError};
+pub use load::{load, load_from};
+pub use vertex_normals::vertex_normals;

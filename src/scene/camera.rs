@@ -1,0 +1,277 @@
+//! Integrator, sensor, film, filter and sampler from their elements, with Mitsuba 3's defaults.
+
+use super::data::{Film, Filter, Integrator, Sensor};
+use super::error::SceneError;
+use super::xml::{Object, Tree};
+use glam::{DAffine3, Vec2};
+
+/// As far as a transform may be from rigid: Mitsuba's tolerance on the Gram matrix.
+const RIGID_TOLERANCE: f64 = 1e-3;
+/// Film pixels in each direction: more is a typing error, and indices stay within 32 bits.
+const MAX_FILM_SIDE_PIXELS: u32 = 65_536;
+
+/// `path`, `direct` or one of `prb*`.
+pub(super) fn integrator(object: &Object) -> Result<Integrator, SceneError> {
+    // "direct" is a path tracer of two segments; it has no max_depth of its own.
+    let max_depth = if object.plugin == "direct" {
+        2
+    } else {
+        let default = if object.plugin.starts_with("prb") {
+            6
+        } else {
+            -1
+        };
+        match object.integer("max_depth")?.unwrap_or(default) {
+            -1 => u32::MAX,
+            depth => u32::try_from(depth).map_err(|_| {
+                let what =
+                    format!("\"max_depth\" must be -1 (no limit) or at least 0, not {depth}");
+                object.property_error("max_depth", what)
+            })?,
+        }
+    };
+    Ok(Integrator {
+        max_depth,
+        rr_depth: object.count("rr_depth", 5, 1)?,
+        hide_emitters: object.boolean("hide_emitters", false)?,
+    })
+}
+
+/// The `path` that Mitsuba uses when a scene has no integrator.
+pub(super) const DEFAULT_INTEGRATOR: Integrator = Integrator {
+    max_depth: u32::MAX,
+    rr_depth: 5,
+    hide_emitters: false,
+};
+
+/// `perspective`, under the id it will be listed with.
+pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor, SceneError> {
+    let mut film_element = None;
+    let mut sampler_element = None;
+    for child in &object.children {
+        let inner = &tree.objects[child.object];
+        let slot = match inner.tag {
+            "film" => &mut film_element,
+            "sampler" => &mut sampler_element,
+            _ => return Err(cannot_stand_inside(child, inner, object)),
+        };
+        if slot.replace(inner).is_some() {
+            let what = format!("a sensor has only one {}", inner.tag);
+            return Err(SceneError::at(&child.place, what));
+        }
+    }
+    let film = film(tree, film_element)?;
+    let (sample_count, seed) = match sampler_element {
+        None => (4, 0),
+        Some(sampler) => {
+            no_children(tree, sampler)?;
+            (
+                sampler.count("sample_count", 4, 1)?,
+                sampler.count("seed", 0, 0)?,
+            )
+        }
+    };
+    let near_clip = object.positive("near_clip", 1e-2)?;
+    let far_clip = object.positive("far_clip", 1e4)?;
+    if near_clip as f32 >= far_clip as f32 {
+        let what =
+            format!("\"near_clip\" ({near_clip}) must be smaller than \"far_clip\" ({far_clip})");
+        return Err(object.property_error("near_clip", what));
+    }
+    let offset = |name| Ok::<_, SceneError>(object.float(name)?.unwrap_or(0.0) as f32);
+    Ok(Sensor {
+        id,
+        to_world: rigid(object)?.as_affine3a(),
+        x_fov_rad: x_fov_rad(object, f64::from(film.width) / f64::from(film.height))? as f32,
+        near_clip: near_clip as f32,
+        far_clip: far_clip as f32,
+        principal_point_offset: Vec2::new(
+            offset("principal_point_offset_x")?,
+            offset("principal_point_offset_y")?,
+        ),
+        film,
+        sample_count,
+        seed,
+    })
+}
+
+/// The camera-to-world transform. A scale is refused, a mirror image is not, as in Mitsuba.
+fn rigid(object: &Object) -> Result<DAffine3, SceneError> {
+    let to_world = object.transform("to_world")?;
+    let m = to_world.matrix3;
+    let gram = m * m.transpose();
+    for i in 0..3 {
+        for j in 0..3 {
+            let wanted = if i == j { 1.0 } else { 0.0 };
+            if (gram.col(i)[j] - wanted).abs() > RIGID_TOLERANCE {
+                let what = "the camera's to_world has a scale; only rotations and translations are allowed";
+                return Err(object.property_error("to_world", what));
+            }
+        }
+    }
+    // What rounding or the tolerance let through is taken out again.
+    let x = m.x_axis.normalize();
+    let y = (m.y_axis - x * x.dot(m.y_axis)).normalize();
+    let z = x.cross(y) * m.determinant().signum();
+    Ok(DAffine3::from_mat3_translation(
+        glam::DMat3::from_cols(x, y, z),
+        to_world.translation,
+    ))
+}
+
+fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
+    if object.has("focal_length") {
+        let what = "\"focal_length\" is not supported yet; give <float name=\"fov\" value=\"…\"/> in degrees";
+        return Err(object.property_error("focal_length", what));
+    }
+    let Some(fov_deg) = object.float("fov")? else {
+        let what = "the sensor has no \"fov\"; give <float name=\"fov\" value=\"…\"/> in degrees";
+        return Err(object.error(what));
+    };
+    let axes = ["x", "y", "diagonal", "smaller", "larger"];
+    let axis = match object.choice("fov_axis", "x", &axes)? {
+        "smaller" if aspect > 1.0 => "y",
+        "smaller" => "x",
+        "larger" if aspect > 1.0 => "x",
+        "larger" => "y",
+        other => other,
+    };
+    let between_0_and_180 = |deg: f64| deg > 1e-6 && deg < 180.0 - 1e-6;
+    if !between_0_and_180(fov_deg) {
+        let what = format!("\"fov\" must be between 0 and 180 degrees, not {fov_deg}");
+        return Err(object.property_error("fov", what));
+    }
+    let half_tangent = (0.5 * fov_deg.to_radians()).tan();
+    let x_half_tangent = match axis {
+        "y" => half_tangent * aspect,
+        "diagonal" => half_tangent / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+        _ => half_tangent,
+    };
+    let x_fov_rad = 2.0 * x_half_tangent.atan();
+    if between_0_and_180(x_fov_rad.to_degrees()) {
+        Ok(x_fov_rad)
+    } else {
+        let what = format!(
+            "the horizontal opening angle is {} degrees",
+            x_fov_rad.to_degrees()
+        );
+        Err(object.property_error("fov", what))
+    }
+}
+
+fn film(tree: &Tree, object: Option<&Object>) -> Result<Film, SceneError> {
+    let Some(object) = object else {
+        return Ok(Film {
+            width: 768,
+            height: 576,
+            crop_offset: [0, 0],
+            crop_size: [768, 576],
+            filter: Filter::Gaussian { stddev: 0.5 },
+            sample_border: false,
+        });
+    };
+    let side = |name, default| {
+        let value = object.count(name, default, 1)?;
+        if value > MAX_FILM_SIDE_PIXELS {
+            let what = format!(
+                "\"{name}\" is {value} pixels; at most {MAX_FILM_SIDE_PIXELS} are supported"
+            );
+            return Err(object.property_error(name, what));
+        }
+        Ok(value)
+    };
+    let size = [side("width", 768)?, side("height", 576)?];
+    let crop_size = [side("crop_width", size[0])?, side("crop_height", size[1])?];
+    let crop_offset = [
+        object.count("crop_offset_x", 0, 0)?,
+        object.count("crop_offset_y", 0, 0)?,
+    ];
+    for axis in 0..2 {
+        if u64::from(crop_offset[axis]) + u64::from(crop_size[axis]) > u64::from(size[axis]) {
+            let (offset, length) = [
+                ("crop_offset_x", "crop_width"),
+                ("crop_offset_y", "crop_height"),
+            ][axis];
+            let what = format!(
+                "the crop window does not fit: {offset} {} + {length} {} > {}",
+                crop_offset[axis], crop_size[axis], size[axis]
+            );
+            let at = if object.has(offset) { offset } else { length };
+            return Err(object.property_error(at, what));
+        }
+    }
+    // Output is always linear RGB; these are read so that files for Mitsuba load without warnings.
+    object.choice("file_format", "openexr", &["openexr", "exr", "rgbe", "pfm"])?;
+    let formats = ["luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"];
+    object.choice("pixel_format", "rgb", &formats)?;
+    object.choice(
+        "component_format",
+        "float16",
+        &["float16", "float32", "uint32"],
+    )?;
+    Ok(Film {
+        width: size[0],
+        height: size[1],
+        crop_offset,
+        crop_size,
+        filter: filter(tree, object)?,
+        sample_border: object.boolean("sample_border", false)?,
+    })
+}
+
+fn filter(tree: &Tree, film: &Object) -> Result<Filter, SceneError> {
+    let mut found = None;
+    for child in &film.children {
+        let inner = &tree.objects[child.object];
+        if inner.tag != "rfilter" {
+            return Err(cannot_stand_inside(child, inner, film));
+        }
+        if found.replace(inner).is_some() {
+            return Err(SceneError::at(&child.place, "a film has only one rfilter"));
+        }
+    }
+    let Some(object) = found else {
+        return Ok(Filter::Gaussian { stddev: 0.5 });
+    };
+    no_children(tree, object)?;
+    // Filters reach over neighbouring pixels: far wider ones than these are a typing error.
+    let length = |name, default: f64| {
+        let value = object.positive(name, default)?;
+        if (0.01..=64.0).contains(&value) {
+            return Ok(value as f32);
+        }
+        let what = format!("\"{name}\" must be between 0.01 and 64 pixels, not {value}");
+        Err(object.property_error(name, what))
+    };
+    Ok(match object.plugin.as_str() {
+        "box" => Filter::Box { radius: 0.5 },
+        "tent" => Filter::Tent {
+            radius: length("radius", 1.0)?,
+        },
+        _ => Filter::Gaussian {
+            stddev: length("stddev", 0.5)?,
+        },
+    })
+}
+
+/// `child` is no part of `object`.
+pub(super) fn cannot_stand_inside(
+    child: &super::xml::Child,
+    inner: &Object,
+    object: &Object,
+) -> SceneError {
+    let what = format!("{} cannot stand inside {}", inner.shown(), object.shown());
+    SceneError::at(&child.place, what)
+}
+
+/// For objects that consist of properties only.
+pub(super) fn no_children(tree: &Tree, object: &Object) -> Result<(), SceneError> {
+    match object.children.first() {
+        None => Ok(()),
+        Some(child) => Err(cannot_stand_inside(
+            child,
+            &tree.objects[child.object],
+            object,
+        )),
+    }
+}

@@ -1,0 +1,46 @@
+//! Triangle meshes: from files and from formulas, checked, and placed in the world.
+
+mod finish;
+pub mod obj;
+pub mod ply;
+mod ply_record;
+pub(super) mod primitives;
+
+pub(super) use finish::{Placement, finish};
+
+use glam::Vec3;
+
+/// A mesh as its file has it, in object space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawMesh {
+    /// Finite.
+    pub positions: Vec<Vec3>,
+    /// Indices in range; polygons already cut into triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// One a vertex, of any length, if the file has them.
+    pub normals: Option<Vec<Vec3>>,
+}
+
+/// What is wrong with a mesh file, without the file's name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshError {
+    /// `:line`, `, face 12`, `, vertex 3`, or nothing.
+    pub at: String,
+    /// What is wrong, and what would be right.
+    pub what: String,
+}
+
+impl MeshError {
+    fn new(at: impl Into<String>, what: impl Into<String>) -> Self {
+        Self {
+            at: at.into(),
+            what: what.into(),
+        }
+    }
+}
+
+/// Cuts a polygon into triangles that share its first corner.
+fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    let rest = corners.get(1..).unwrap_or_default();
+    rest.windows(2).map(|pair| [corners[0], pair[0], pair[1]])
+}

@@ -1,0 +1,84 @@
+//! The known name nearest to a mistyped one.
+
+/// Longest name that is compared: the distance is quadratic in the length.
+const LONGEST_COMPARED_NAME_CHARS: usize = 200;
+
+/// Fewest single-character insertions, deletions, replacements and swaps of neighbours.
+pub fn edit_distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.chars().collect();
+    let b: Vec<char> = b.chars().collect();
+    // Three rows of the table of distances between prefixes are alive at a time.
+    let mut before_last = vec![0; b.len() + 1];
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let replace = last[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = replace.min(last[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before_last[j - 2] + 1);
+            }
+        }
+        before_last = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+/// The known name nearest to `name`, if there is any and the name is not absurdly long.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if name.chars().count() > LONGEST_COMPARED_NAME_CHARS {
+        return None;
+    }
+    let lower = name.to_lowercase();
+    known
+        .into_iter()
+        .filter(|k| k.chars().count() <= LONGEST_COMPARED_NAME_CHARS)
+        .min_by_key(|k| {
+            (
+                edit_distance(&lower, &k.to_lowercase()),
+                edit_distance(name, k),
+            )
+        })
+}
+
+/// `; the nearest known name is "…"`, or nothing.
+pub fn nearest_hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    match nearest(name, known) {
+        Some(near) => format!("; the nearest known name is \"{near}\""),
+        None => String::new(),
+    }
+}
+
+/// A user's text for a message: shortened, without control characters.
+pub fn shown(text: &str) -> String {
+    const LONGEST_CHARS: usize = 80;
+    let mut out: String = text
+        .chars()
+        .take(LONGEST_CHARS)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if text.chars().nth(LONGEST_CHARS).is_some() {
+        out.push('…');
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_edits() {
+        assert_eq!(edit_distance("sphere", "sphere"), 0);
+        assert_eq!(edit_distance("shpere", "sphere"), 1);
+        assert_eq!(edit_distance("", "ply"), 3);
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn finds_the_nearest() {
+        assert_eq!(nearest("sphre", ["cube", "sphere", "ply"]), Some("sphere"));
+        assert_eq!(nearest("PLY", ["cube", "ply"]), Some("ply"));
+        assert_eq!(nearest("x", []), None);
+    }
+}

@@ -1,0 +1,106 @@
+//! Reverse: cotangents of everything in the scene become gradients of parameters.
+
+use super::motion::pivot;
+use super::{Parameter, Target, check_sensor};
+use crate::scene::data::{Normals, Rgb, Scene};
+use crate::scene::differential::SceneDifferential;
+use crate::scene::error::SceneError;
+use glam::{DVec3, Vec3};
+
+/// Zeros for exactly what the reverse sweep must accumulate, so that [`reduce`] can give the gradients of
+/// these parameters, seen from sensor `sensor`.
+pub fn wanted(
+    scene: &Scene,
+    parameters: &[Parameter],
+    sensor: usize,
+) -> Result<SceneDifferential, SceneError> {
+    let mut out = SceneDifferential::none(scene);
+    for parameter in parameters {
+        let target = parameter.target()?;
+        check_sensor(scene, &parameter.key, target, sensor)?;
+        match target {
+            Target::VertexPositions(m) | Target::ShapeTranslation(m) | Target::ShapeScale(m) => {
+                let vertices = scene.meshes[m].positions.len();
+                out.positions[m].get_or_insert_with(|| vec![Vec3::ZERO; vertices]);
+            }
+            // Only a rotation turns the normals that are data of their own.
+            Target::ShapeRotation(m) => out.want_mesh(scene, m),
+            Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
+                out.camera.get_or_insert_default();
+            }
+            Target::Reflectance(m) => out.reflectance[m] = Some([0.0; 3]),
+            Target::Radiance(l) => out.radiance[l] = Some([0.0; 3]),
+            Target::EnvironmentRadiance => out.environment = Some([0.0; 3]),
+        }
+    }
+    Ok(out)
+}
+
+/// The gradient of one parameter, of its shape, from the cotangents of the scene. Sums over vertices are in
+/// double precision and in their order. What the cotangent does not hold counts as zero. Empty for a
+/// parameter that is not differentiable.
+pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferential) -> Vec<f32> {
+    let Some(target) = parameter.target else {
+        return Vec::new();
+    };
+    let camera = cotangent.camera.unwrap_or_default();
+    match target {
+        Target::VertexPositions(m) => match &cotangent.positions[m] {
+            Some(positions) => positions.iter().flat_map(|p| p.to_array()).collect(),
+            None => vec![0.0; parameter.len()],
+        },
+        Target::ShapeTranslation(m) => {
+            let sum: DVec3 = each_vertex(scene, m, cotangent).map(|(_, bar)| bar).sum();
+            sum.as_vec3().to_array().to_vec()
+        }
+        Target::ShapeRotation(m) => {
+            let center = pivot(&scene.meshes[m]);
+            let vertices = each_vertex(scene, m, cotangent);
+            let torque: DVec3 = vertices.map(|(p, bar)| (p - center).cross(bar)).sum();
+            (torque + normal_torque(scene, m, cotangent))
+                .as_vec3()
+                .to_array()
+                .to_vec()
+        }
+        Target::ShapeScale(m) => {
+            let center = pivot(&scene.meshes[m]);
+            let vertices = each_vertex(scene, m, cotangent);
+            vec![vertices.map(|(p, bar)| (p - center).dot(bar)).sum::<f64>() as f32]
+        }
+        Target::SensorTranslation(_) => camera.translation.to_array().to_vec(),
+        Target::SensorRotation(_) => camera.rotation.to_array().to_vec(),
+        Target::SensorXFov(_) => vec![camera.x_fov_deg],
+        Target::Reflectance(m) => colour(cotangent.reflectance[m]),
+        Target::Radiance(l) => colour(cotangent.radiance[l]),
+        Target::EnvironmentRadiance => colour(cotangent.environment),
+    }
+}
+
+fn colour(cotangent: Option<Rgb>) -> Vec<f32> {
+    cotangent.unwrap_or_default().to_vec()
+}
+
+/// Position and its cotangent.
+fn each_vertex<'a>(
+    scene: &'a Scene,
+    m: usize,
+    cotangent: &'a SceneDifferential,
+) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
+    let bars = cotangent.positions[m].as_deref().unwrap_or_default();
+    let positions = scene.meshes[m].positions.iter();
+    positions
+        .zip(bars)
+        .map(|(p, bar)| (p.as_dvec3(), bar.as_dvec3()))
+}
+
+fn normal_torque(scene: &Scene, m: usize, cotangent: &SceneDifferential) -> DVec3 {
+    let (Normals::Given(normals), Some(bars)) =
+        (&scene.meshes[m].normals, &cotangent.given_normals[m])
+    else {
+        return DVec3::ZERO;
+    };
+    let pairs = normals.iter().zip(bars);
+    pairs
+        .map(|(n, bar)| n.as_dvec3().cross(bar.as_dvec3()))
+        .sum()
+}

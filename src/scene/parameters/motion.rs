@@ -1,0 +1,210 @@
+//! Moving a scene by finite amounts: setting values, and steps for finite differences.
+
+use super::{Parameter, Target};
+use crate::scene::data::{Mesh, Normals, Rgb, Scene};
+use crate::scene::error::SceneError;
+use crate::scene::vertex_normals::vertex_normals;
+use glam::{DQuat, DVec3};
+use std::collections::BTreeMap;
+
+/// The point that rotations and scalings of a mesh leave in place: its bounding-box centre.
+pub(super) fn pivot(mesh: &Mesh) -> DVec3 {
+    let mut positions = mesh.positions.iter().map(|p| p.as_dvec3());
+    let first = positions.next().unwrap_or_default();
+    let (low, high) = positions.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+    (low + high) / 2.0
+}
+
+/// A rotation by the length of `vector` (radians) about it.
+fn rotation(vector: DVec3) -> DQuat {
+    DQuat::from_scaled_axis(vector)
+}
+
+/// What moves one mesh: v ↦ c + scale·R·(v + offset − c) + translation.
+struct MeshMotion {
+    /// One a vertex, or none at all.
+    offsets: Vec<DVec3>,
+    translation: DVec3,
+    rotation: DVec3,
+    scale: f64,
+}
+
+impl Default for MeshMotion {
+    fn default() -> Self {
+        Self {
+            offsets: Vec::new(),
+            translation: DVec3::ZERO,
+            rotation: DVec3::ZERO,
+            scale: 1.0,
+        }
+    }
+}
+
+impl MeshMotion {
+    fn move_mesh(&self, mesh: &mut Mesh) {
+        let center = pivot(mesh);
+        let turn = rotation(self.rotation);
+        for (i, position) in mesh.positions.iter_mut().enumerate() {
+            let offset = self.offsets.get(i).copied().unwrap_or_default();
+            // Parts that do nothing are left out, so that they do not round.
+            let mut p = position.as_dvec3() + offset;
+            if self.rotation != DVec3::ZERO || self.scale != 1.0 {
+                p = center + turn * (p - center) * self.scale;
+            }
+            *position = (p + self.translation).as_vec3();
+        }
+        match &mut mesh.normals {
+            Normals::Flat => {}
+            Normals::Given(normals) if self.rotation != DVec3::ZERO => {
+                for normal in normals {
+                    *normal = (turn * normal.as_dvec3()).as_vec3();
+                }
+            }
+            Normals::Given(_) => {}
+            Normals::Computed(normals) => {
+                *normals = vertex_normals(&mesh.positions, &mesh.triangles);
+            }
+        }
+    }
+}
+
+/// The scene at θ + `step`·direction, for finite differences. Several directions add up. A direction has as
+/// many values as the parameter, or those of its last axis. Arithmetic is in double precision; rotations are
+/// by the rotation vector `step`·direction, not by its first-order term.
+pub fn displace<V: AsRef<[f32]>>(
+    scene: &Scene,
+    directions: &[(Parameter, V)],
+    step: f64,
+) -> Result<Scene, SceneError> {
+    let mut out = scene.clone();
+    let mut meshes: BTreeMap<usize, MeshMotion> = BTreeMap::new();
+    // Sums first: two rotations of one thing are one rotation by the sum.
+    let mut sensor_rotations: BTreeMap<usize, DVec3> = BTreeMap::new();
+    for (parameter, values) in directions {
+        let target = parameter.target()?;
+        let values = parameter.broadcast(values.as_ref())?;
+        let values: Vec<f64> = values.iter().map(|&v| f64::from(v) * step).collect();
+        let first = DVec3::new(value(&values, 0), value(&values, 1), value(&values, 2));
+        match target {
+            Target::VertexPositions(m) => {
+                let motion = meshes.entry(m).or_default();
+                motion.offsets.resize(values.len() / 3, DVec3::ZERO);
+                for (offset, part) in motion.offsets.iter_mut().zip(values.chunks_exact(3)) {
+                    *offset += DVec3::from_slice(part);
+                }
+            }
+            Target::ShapeTranslation(m) => meshes.entry(m).or_default().translation += first,
+            Target::ShapeRotation(m) => meshes.entry(m).or_default().rotation += first,
+            Target::ShapeScale(m) => meshes.entry(m).or_default().scale += first.x,
+            Target::SensorTranslation(s) => {
+                let to_world = &mut out.sensors[s].to_world;
+                let moved = to_world.translation.as_dvec3() + first;
+                to_world.translation = moved.as_vec3().into();
+            }
+            Target::SensorRotation(s) => *sensor_rotations.entry(s).or_default() += first,
+            Target::SensorXFov(s) => {
+                let fov_deg = f64::from(out.sensors[s].x_fov_rad).to_degrees() + first.x;
+                set_x_fov(&mut out, &parameter.key, s, fov_deg)?;
+            }
+            Target::Reflectance(m) => add(&mut out.materials[m].reflectance, first),
+            Target::Radiance(l) => add(&mut out.area_lights[l].radiance, first),
+            Target::EnvironmentRadiance => {
+                if let Some(environment) = &mut out.environment {
+                    add(&mut environment.radiance, first);
+                }
+            }
+        }
+    }
+    for (m, motion) in meshes {
+        motion.move_mesh(&mut out.meshes[m]);
+    }
+    for (s, vector) in sensor_rotations {
+        rotate_sensor(&mut out, s, vector);
+    }
+    Ok(out)
+}
+
+fn value(values: &[f64], at: usize) -> f64 {
+    values.get(at).copied().unwrap_or_default()
+}
+
+fn add(colour: &mut Rgb, offset: DVec3) {
+    for (channel, offset) in colour.iter_mut().zip(offset.to_array()) {
+        *channel = (f64::from(*channel) + offset) as f32;
+    }
+}
+
+fn rotate_sensor(scene: &mut Scene, s: usize, vector: DVec3) {
+    let matrix = &mut scene.sensors[s].to_world.matrix3;
+    let turn = rotation(vector);
+    let turned = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+        .map(|axis| (turn * axis.as_dvec3()).as_vec3());
+    *matrix = glam::Mat3::from_cols(turned[0], turned[1], turned[2]).into();
+}
+
+fn set_x_fov(scene: &mut Scene, key: &str, s: usize, fov_deg: f64) -> Result<(), SceneError> {
+    if !(fov_deg > 0.0 && fov_deg < 180.0) {
+        let what = format!("{key}: an opening angle is between 0 and 180 degrees, not {fov_deg}");
+        return Err(SceneError::parameter(what));
+    }
+    scene.sensors[s].x_fov_rad = fov_deg.to_radians() as f32;
+    Ok(())
+}
+
+/// Sets a parameter. Motions (translation, rotation, scale) are applied to the scene as it is: a translation
+/// by the value, a scaling by the factor. Computed normals follow.
+pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result<(), SceneError> {
+    let target = parameter.target()?;
+    let values = parameter.broadcast(values)?;
+    let refuse = |what: &str| Err(SceneError::parameter(format!("{}: {what}", parameter.key)));
+    let first = DVec3::from([0, 1, 2].map(|i| values.get(i).map_or(0.0, |&v| f64::from(v))));
+    let colour = [0, 1, 2].map(|i| values.get(i).copied().unwrap_or_default());
+    let mut motion = MeshMotion::default();
+    match target {
+        Target::VertexPositions(m) => {
+            let mesh = &mut scene.meshes[m];
+            for (position, value) in mesh.positions.iter_mut().zip(values.chunks_exact(3)) {
+                *position = glam::Vec3::from_slice(value);
+            }
+            // Recomputes the normals that follow the positions.
+            motion.move_mesh(mesh);
+        }
+        Target::ShapeTranslation(m) => {
+            motion.translation = first;
+            motion.move_mesh(&mut scene.meshes[m]);
+        }
+        Target::ShapeRotation(m) => {
+            motion.rotation = first;
+            motion.move_mesh(&mut scene.meshes[m]);
+        }
+        Target::ShapeScale(m) => {
+            if first.x <= 0.0 {
+                return refuse("a scale is greater than zero");
+            }
+            motion.scale = first.x;
+            motion.move_mesh(&mut scene.meshes[m]);
+        }
+        Target::SensorTranslation(s) => {
+            scene.sensors[s].to_world.translation += glam::Vec3A::from(first.as_vec3());
+        }
+        Target::SensorRotation(s) => rotate_sensor(scene, s, first),
+        Target::SensorXFov(s) => set_x_fov(scene, &parameter.key, s, first.x)?,
+        Target::Reflectance(m) => {
+            if colour.iter().any(|c| !(0.0..=1.0).contains(c)) {
+                return refuse("a reflectance is between 0 and 1");
+            }
+            scene.materials[m].reflectance = colour;
+        }
+        Target::Radiance(_) | Target::EnvironmentRadiance => {
+            if colour.iter().any(|c| *c < 0.0) {
+                return refuse("a radiance is not negative");
+            }
+            match (target, &mut scene.environment) {
+                (Target::Radiance(l), _) => scene.area_lights[l].radiance = colour,
+                (_, Some(environment)) => environment.radiance = colour,
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,81 @@
+//! Forward: a direction in parameters becomes a motion of everything in the scene.
+
+use super::motion::pivot;
+use super::{Target, check_sensor, find};
+use crate::scene::data::{Normals, Rgb, Scene};
+use crate::scene::differential::{CameraDifferential, SceneDifferential};
+use crate::scene::error::SceneError;
+use glam::{DVec3, Vec3};
+
+/// dScene/dθ for the sum of `directions`, each a key and its values (as many as the parameter has, or those
+/// of its last axis for all rows), seen from sensor `sensor`.
+pub fn tangent<K: AsRef<str>, V: AsRef<[f32]>>(
+    scene: &Scene,
+    directions: &[(K, V)],
+    sensor: usize,
+) -> Result<SceneDifferential, SceneError> {
+    let mut out = SceneDifferential::none(scene);
+    for (key, values) in directions {
+        let parameter = find(scene, key.as_ref())?;
+        let target = parameter.target()?;
+        check_sensor(scene, &parameter.key, target, sensor)?;
+        let values = parameter.broadcast(values.as_ref())?;
+        add(&mut out, scene, target, &values);
+    }
+    Ok(out)
+}
+
+/// Adds one direction; `values` has the parameter's length.
+fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32]) {
+    let vector = |at: usize| {
+        let part = values.get(3 * at..3 * at + 3).unwrap_or(&[0.0; 3]);
+        Vec3::from_slice(part)
+    };
+    match target {
+        Target::VertexPositions(m) => add_positions(out, scene, m, |i, _| vector(i)),
+        Target::ShapeTranslation(m) => add_positions(out, scene, m, |_, _| vector(0)),
+        Target::ShapeRotation(m) => {
+            let (axis, center) = (vector(0).as_dvec3(), pivot(&scene.meshes[m]));
+            add_positions(out, scene, m, |_, p| axis.cross(p - center).as_vec3());
+            if let Normals::Given(normals) = &scene.meshes[m].normals {
+                let moved =
+                    out.given_normals[m].get_or_insert_with(|| vec![Vec3::ZERO; normals.len()]);
+                for (moved, normal) in moved.iter_mut().zip(normals) {
+                    *moved += axis.cross(normal.as_dvec3()).as_vec3();
+                }
+            }
+        }
+        Target::ShapeScale(m) => {
+            let (factor, center) = (f64::from(values[0]), pivot(&scene.meshes[m]));
+            add_positions(out, scene, m, |_, p| ((p - center) * factor).as_vec3());
+        }
+        Target::SensorTranslation(_) => camera(out).translation += vector(0),
+        Target::SensorRotation(_) => camera(out).rotation += vector(0),
+        Target::SensorXFov(_) => camera(out).x_fov_deg += values[0],
+        Target::Reflectance(m) => add_colour(&mut out.reflectance[m], vector(0)),
+        Target::Radiance(l) => add_colour(&mut out.radiance[l], vector(0)),
+        Target::EnvironmentRadiance => add_colour(&mut out.environment, vector(0)),
+    }
+}
+
+fn add_positions(
+    out: &mut SceneDifferential,
+    scene: &Scene,
+    m: usize,
+    motion: impl Fn(usize, DVec3) -> Vec3,
+) {
+    let positions = &scene.meshes[m].positions;
+    let moved = out.positions[m].get_or_insert_with(|| vec![Vec3::ZERO; positions.len()]);
+    for (i, (moved, position)) in moved.iter_mut().zip(positions).enumerate() {
+        *moved += motion(i, position.as_dvec3());
+    }
+}
+
+fn camera(out: &mut SceneDifferential) -> &mut CameraDifferential {
+    out.camera.get_or_insert_default()
+}
+
+fn add_colour(slot: &mut Option<Rgb>, direction: Vec3) {
+    let sum = Vec3::from(slot.unwrap_or_default()) + direction;
+    *slot = Some(sum.to_array());
+}

@@ -1,0 +1,14 @@
+//! The scene file as a tree of plugins with typed properties: everything that is XML and not yet scene.
+
+mod file;
+mod plugins;
+mod properties;
+mod property;
+mod reader;
+mod references;
+mod substitution;
+mod transform;
+mod values;
+
+pub(super) use properties::{Child, Object, Tree};
+pub(super) use reader::read_tree;

@@ -1,0 +1,112 @@
+//! Which plugins are known: supported, part of the interface but not built yet, or refused.
+
+use crate::scene::nearest::{nearest_hint, shown};
+
+/// Elements that make an object, with the plugins that each tag supports and those still to come.
+const KNOWN: &[(&str, &[&str], &[&str])] = &[
+    ("scene", &["scene"], &[]),
+    (
+        "integrator",
+        &[
+            "path",
+            "direct",
+            "prb",
+            "prb_basic",
+            "prb_projective",
+            "prb_reparam",
+        ],
+        &[],
+    ),
+    ("sensor", &["perspective"], &[]),
+    ("film", &["hdrfilm"], &[]),
+    ("rfilter", &["box", "tent", "gaussian"], &[]),
+    (
+        "sampler",
+        &[
+            "independent",
+            "stratified",
+            "multijitter",
+            "orthogonal",
+            "ldsampler",
+        ],
+        &[],
+    ),
+    ("shape", &["ply", "obj", "rectangle", "cube", "sphere"], &[]),
+    (
+        "bsdf",
+        &["diffuse", "twosided"],
+        &[
+            "conductor",
+            "roughconductor",
+            "dielectric",
+            "roughdielectric",
+            "plastic",
+            "roughplastic",
+            "null",
+        ],
+    ),
+    (
+        "emitter",
+        &["area", "constant"],
+        &["envmap", "point", "directional"],
+    ),
+    ("texture", &[], &["bitmap", "checkerboard"]),
+    ("medium", &[], &[]),
+    ("phase", &[], &[]),
+    ("volume", &[], &[]),
+    ("spectrum", &[], &[]),
+];
+
+/// Elements that are properties, transforms or about the file.
+pub(super) const OTHER_TAGS: &[&str] = &[
+    "boolean",
+    "integer",
+    "float",
+    "string",
+    "rgb",
+    "srgb",
+    "spectrum",
+    "point",
+    "vector",
+    "transform",
+    "default",
+    "include",
+    "path",
+    "ref",
+];
+
+/// The static name of an object's tag, if `tag` is one.
+pub(super) fn object_tag(tag: &str) -> Option<&'static str> {
+    KNOWN.iter().map(|k| k.0).find(|t| *t == tag)
+}
+
+/// Every tag that can stand inside an object.
+pub(super) fn all_tags() -> impl Iterator<Item = &'static str> {
+    KNOWN.iter().map(|k| k.0).chain(OTHER_TAGS.iter().copied())
+}
+
+/// Whether `<tag type="plugin">` can be loaded; the error is a sentence.
+pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
+    let Some((_, supported, planned)) = KNOWN.iter().find(|k| k.0 == tag) else {
+        return Err(format!("unknown element <{}>", shown(tag)));
+    };
+    // The many variants of path replay backpropagation differ in gradients only, not in the image; the
+    // volumetric one does not.
+    let any_prb = tag == "integrator" && plugin.starts_with("prb") && !plugin.starts_with("prbvol");
+    if supported.contains(&plugin) || any_prb {
+        return Ok(());
+    }
+    if planned.contains(&plugin) {
+        return Err(format!("<{tag} type=\"{plugin}\"> is not supported yet"));
+    }
+    let hint = nearest_hint(plugin, supported.iter().chain(planned.iter()).copied());
+    let reason = match tag {
+        "medium" | "phase" | "volume" => " (volumes are out of scope)",
+        "spectrum" => " (spectra are out of scope: use <rgb>, <srgb> or <spectrum value=\"0.5\"/>)",
+        _ => "",
+    };
+    Err(format!(
+        "<{tag} type=\"{}\"> is not supported{reason}{hint}",
+        shown(plugin)
+    ))
+}

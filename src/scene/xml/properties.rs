@@ -1,0 +1,260 @@
+//! Objects of the scene file with typed properties, which remember whether they were read.
+
+use crate::scene::error::{Place, SceneError};
+use crate::scene::nearest::{nearest, nearest_hint, shown};
+use glam::{DAffine3, DVec3};
+use std::cell::Cell;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// All objects of a scene file and of what it includes; the root is object 0.
+#[derive(Debug)]
+pub(in crate::scene) struct Tree {
+    /// In the order of the file.
+    pub objects: Vec<Object>,
+    /// Folders of `<path>` elements, the latest first.
+    pub search_folders: Vec<PathBuf>,
+    /// The folder of the scene file.
+    pub scene_folder: PathBuf,
+}
+
+/// An element that makes a plugin: `<shape type="ply" id="…">`.
+#[derive(Debug)]
+pub(in crate::scene) struct Object {
+    /// `shape`, `bsdf`, …
+    pub tag: &'static str,
+    /// `ply`, `diffuse`, …; already known to be supported.
+    pub plugin: String,
+    pub id: Option<String>,
+    pub place: Place,
+    /// Folder of the file that the element is in.
+    pub folder: Arc<PathBuf>,
+    pub properties: Vec<Property>,
+    pub children: Vec<Child>,
+}
+
+/// An object inside another one, in place or by `<ref>`.
+#[derive(Debug)]
+pub(in crate::scene) struct Child {
+    /// The `name` attribute; often empty.
+    pub name: String,
+    /// Index into [`Tree::objects`].
+    pub object: usize,
+    /// Of the element or of the `<ref>`.
+    pub place: Place,
+}
+
+#[derive(Debug)]
+pub(in crate::scene) struct Property {
+    pub name: String,
+    pub value: Value,
+    pub place: Place,
+    /// Someone asked for it, so it has an effect.
+    pub read: Cell<bool>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::scene) enum Value {
+    Boolean(bool),
+    Integer(i64),
+    Float(f64),
+    String(String),
+    /// `rgb` and `srgb`, linear.
+    Rgb([f64; 3]),
+    /// A `spectrum` of one value: grey.
+    Grey(f64),
+    Vector(DVec3),
+    Transform(DAffine3),
+}
+
+impl Value {
+    fn kind(&self) -> &'static str {
+        match self {
+            Value::Boolean(_) => "boolean",
+            Value::Integer(_) => "integer",
+            Value::Float(_) => "float",
+            Value::String(_) => "string",
+            Value::Rgb(_) => "rgb",
+            Value::Grey(_) => "spectrum",
+            Value::Vector(_) => "point or vector",
+            Value::Transform(_) => "transform",
+        }
+    }
+}
+
+impl Object {
+    /// `<shape type="ply">`
+    pub fn shown(&self) -> String {
+        format!("<{} type=\"{}\">", self.tag, self.plugin)
+    }
+
+    /// An error at this object.
+    pub fn error(&self, what: impl Into<String>) -> SceneError {
+        SceneError::at(&self.place, what)
+    }
+
+    /// An error at a property if it is there, else at the object.
+    pub fn property_error(&self, name: &str, what: impl Into<String>) -> SceneError {
+        let property = self.properties.iter().find(|p| p.name == name);
+        SceneError::at(property.map_or(&self.place, |p| &p.place), what)
+    }
+
+    /// Whether the file gives this property. Does not count as reading it.
+    pub fn has(&self, name: &str) -> bool {
+        self.properties.iter().any(|p| p.name == name)
+    }
+
+    /// The property, marked as read, if the file gives it.
+    pub fn property(&self, name: &str) -> Option<&Property> {
+        let property = self.properties.iter().find(|p| p.name == name)?;
+        property.read.set(true);
+        Some(property)
+    }
+
+    fn get<T>(
+        &self,
+        name: &str,
+        wanted: &str,
+        convert: impl Fn(&Value) -> Option<T>,
+    ) -> Result<Option<T>, SceneError> {
+        let Some(property) = self.property(name) else {
+            return Ok(None);
+        };
+        convert(&property.value).map(Some).ok_or_else(|| {
+            let what = format!(
+                "property \"{name}\" of {} must be a <{wanted}>, not a <{}>",
+                self.shown(),
+                property.value.kind()
+            );
+            SceneError::at(&property.place, what)
+        })
+    }
+
+    pub fn boolean(&self, name: &str, default: bool) -> Result<bool, SceneError> {
+        let value = self.get(name, "boolean", |v| match v {
+            Value::Boolean(b) => Some(*b),
+            _ => None,
+        })?;
+        Ok(value.unwrap_or(default))
+    }
+
+    pub fn integer(&self, name: &str) -> Result<Option<i64>, SceneError> {
+        self.get(name, "integer", |v| match v {
+            Value::Integer(i) => Some(*i),
+            _ => None,
+        })
+    }
+
+    /// An integer between `least` and the largest `u32`.
+    pub fn count(&self, name: &str, default: u32, least: u32) -> Result<u32, SceneError> {
+        let Some(value) = self.integer(name)? else {
+            return Ok(default);
+        };
+        match u32::try_from(value) {
+            Ok(v) if v >= least => Ok(v),
+            _ => Err(self.property_error(
+                name,
+                format!(
+                    "\"{name}\" must be an integer from {least} to {}, not {value}",
+                    u32::MAX
+                ),
+            )),
+        }
+    }
+
+    /// A float; an integer will do.
+    pub fn float(&self, name: &str) -> Result<Option<f64>, SceneError> {
+        self.get(name, "float", |v| match v {
+            Value::Float(f) => Some(*f),
+            Value::Integer(i) => Some(*i as f64),
+            _ => None,
+        })
+    }
+
+    /// A float greater than zero.
+    pub fn positive(&self, name: &str, default: f64) -> Result<f64, SceneError> {
+        match self.float(name)? {
+            None => Ok(default),
+            Some(v) if v as f32 > 0.0 => Ok(v),
+            Some(v) => {
+                let what = format!("\"{name}\" must be greater than zero, not {v}");
+                Err(self.property_error(name, what))
+            }
+        }
+    }
+
+    pub fn string(&self, name: &str) -> Result<Option<String>, SceneError> {
+        self.get(name, "string", |v| match v {
+            Value::String(s) => Some(s.clone()),
+            _ => None,
+        })
+    }
+
+    /// A string out of `allowed`, compared without case.
+    pub fn choice(
+        &self,
+        name: &str,
+        default: &'static str,
+        allowed: &[&'static str],
+    ) -> Result<&'static str, SceneError> {
+        let Some(text) = self.string(name)? else {
+            return Ok(default);
+        };
+        let found = allowed.iter().find(|a| a.eq_ignore_ascii_case(&text));
+        found.copied().ok_or_else(|| {
+            let what = format!(
+                "\"{name}\" cannot be \"{}\"{}; it is one of {}",
+                shown(&text),
+                nearest_hint(&text, allowed.iter().copied()),
+                allowed.join(", ")
+            );
+            self.property_error(name, what)
+        })
+    }
+
+    pub fn vector(&self, name: &str) -> Result<Option<DVec3>, SceneError> {
+        self.get(name, "point", |v| match v {
+            Value::Vector(v) => Some(*v),
+            _ => None,
+        })
+    }
+
+    pub fn transform(&self, name: &str) -> Result<DAffine3, SceneError> {
+        let value = self.get(name, "transform", |v| match v {
+            Value::Transform(t) => Some(*t),
+            _ => None,
+        })?;
+        Ok(value.unwrap_or(DAffine3::IDENTITY))
+    }
+
+    /// A colour without a texture: `rgb`, `srgb`, a plain `spectrum` or a `float`.
+    pub fn colour(&self, name: &str) -> Result<Option<[f64; 3]>, SceneError> {
+        self.get(name, "rgb", |v| match v {
+            Value::Rgb(c) => Some(*c),
+            Value::Grey(g) | Value::Float(g) => Some([*g; 3]),
+            Value::Integer(i) => Some([*i as f64; 3]),
+            _ => None,
+        })
+    }
+
+    /// A warning for every property that nothing read. `known` are names that the plugin reads.
+    pub fn unread(&self, known: &[&str]) -> Vec<String> {
+        let unread = self.properties.iter().filter(|p| !p.read.get());
+        unread
+            .map(|p| {
+                let hint = match nearest(&p.name, known.iter().copied()) {
+                    Some(near) if near != p.name => {
+                        format!("; the nearest one it reads is \"{near}\"")
+                    }
+                    _ => String::new(),
+                };
+                format!(
+                    "{}: property \"{}\" of {} was not read{hint}",
+                    p.place,
+                    shown(&p.name),
+                    self.shown()
+                )
+            })
+            .collect()
+    }
+}
