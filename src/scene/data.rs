@@ -122,10 +122,16 @@ pub struct Film {
 /// Film reconstruction filters; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
-    Box { radius: f32 },
-    Tent { radius: f32 },
+    Box {
+        radius: f32,
+    },
+    Tent {
+        radius: f32,
+    },
     /// exp(−x²/2σ²) − exp(−r²/2σ²), r = 4σ.
-    Gaussian { stddev: f32 },
+    Gaussian {
+        stddev: f32,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

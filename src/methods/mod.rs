@@ -1,0 +1,167 @@
+//! The estimators behind `--method`, and the one interface through which commands use them.
+
+use crate::scene::parameters::Parameter;
+use crate::scene::{Scene, SceneDifferential};
+use std::collections::BTreeMap;
+
+/// Which estimator computes a gradient.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Differentiates the integrand only and ignores visibility: the wrong answer everyone starts from.
+    Interior,
+    /// Changes of variables that hold the discontinuities still (Loubet et al. 2019).
+    #[default]
+    Reparam,
+    /// Central finite differences with common random numbers: the reference.
+    Fd,
+}
+
+impl Method {
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Interior => "interior",
+            Method::Reparam => "reparam",
+            Method::Fd => "fd",
+        }
+    }
+}
+
+/// What to render with, the scene's own settings already filled in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Camera paths per pixel.
+    pub spp: u32,
+    pub seed: u64,
+    pub threads: usize,
+    /// Longest path in segments; `u32::MAX` for no limit.
+    pub max_depth: u32,
+    /// First segment at which russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Emitters seen directly by the camera are black.
+    pub hide_emitters: bool,
+    /// Index into [`Scene::sensors`].
+    pub sensor: usize,
+    /// Width and height in pixels in place of the film's.
+    pub resolution: Option<[u32; 2]>,
+    pub method: Method,
+    /// Whether to estimate standard errors, which costs memory.
+    pub standard_error: bool,
+}
+
+/// A linear RGB image, row by row from the top left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// What a run did and where its time went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Rays traced, by kind: camera, shadow, bounce, …
+    pub rays: BTreeMap<&'static str, u64>,
+    /// Samples rejected, by cause.
+    pub rejected: BTreeMap<&'static str, u64>,
+    /// Seconds, by stage.
+    pub seconds: BTreeMap<&'static str, f64>,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
+}
+
+/// How the engine says how far it is, and learns that it should stop.
+pub trait Progress: Sync {
+    /// `done` of `total` units of work are finished.
+    fn advance(&self, done: u64, total: u64);
+    /// Whether the user wants it to stop.
+    fn cancelled(&self) -> bool;
+}
+
+/// What [`render`] gives.
+#[derive(Clone, Debug, Default)]
+pub struct Rendering {
+    pub image: Image,
+    pub statistics: Statistics,
+}
+
+/// What [`forward`] gives.
+#[derive(Clone, Debug, Default)]
+pub struct ForwardGradient {
+    pub image: Image,
+    /// The derivative of every pixel along the direction.
+    pub gradient: Image,
+    /// The standard error of every number of `gradient`.
+    pub stderr: Option<Image>,
+    pub statistics: Statistics,
+}
+
+/// What [`backward`] gives.
+#[derive(Clone, Debug)]
+pub struct BackwardGradient {
+    pub image: Image,
+    pub gradient: SceneDifferential,
+    /// Independent estimates of the gradient, whose mean is `gradient`.
+    pub groups: Vec<SceneDifferential>,
+    pub loss: f64,
+    pub statistics: Statistics,
+}
+
+/// The function of the image whose gradient [`backward`] computes.
+#[derive(Clone, Copy, Debug)]
+pub enum Objective<'a> {
+    /// The sum over pixels and channels of image times this.
+    Adjoint(&'a Image),
+    /// The mean over pixels and channels of |image − target|.
+    L1(&'a Image),
+    /// The mean over pixels and channels of (image − target)².
+    L2(&'a Image),
+}
+
+/// Why the engine gave nothing.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The scene, parameter or setting cannot be served.
+    #[error("{0}")]
+    Refused(String),
+    /// [`Progress::cancelled`] said so.
+    #[error("interrupted")]
+    Interrupted,
+    /// The machine could not.
+    #[error("{0}")]
+    Failed(String),
+}
+
+fn not_built_yet<T>() -> Result<T, EngineError> {
+    Err(EngineError::Failed("the engine is not built yet".into()))
+}
+
+/// Renders the image.
+pub fn render(
+    _scene: &Scene,
+    _settings: &Settings,
+    _progress: &dyn Progress,
+) -> Result<Rendering, EngineError> {
+    not_built_yet()
+}
+
+/// Forward mode: the derivative of the image along one direction in parameter space.
+pub fn forward(
+    _scene: &Scene,
+    _settings: &Settings,
+    _direction: &[(Parameter, Vec<f32>)],
+    _progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
+    not_built_yet()
+}
+
+/// Reverse mode: the derivative of an objective with respect to all the parameters.
+pub fn backward(
+    _scene: &Scene,
+    _settings: &Settings,
+    _parameters: &[Parameter],
+    _objective: &Objective,
+    _progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    not_built_yet()
+}
