@@ -240,8 +240,8 @@ fn complaints(transposition: &Transposition, c: &Comparison, tolerance: f64) -> 
         ));
     }
     let significant = c.chi2_per_number > MOST_CHI2 || c.share_beyond_4 > MOST_BEYOND_4;
-    // NaN, where there is no signal to compare with, counts as material.
-    if significant && !(c.relative_excess <= tolerance) {
+    // Without a signal nothing is relative to it, and what is significant is all there is to say.
+    if significant && (c.relative_excess > tolerance || !c.reference_is_significant) {
         complaints.push(format!(
             "forward and fd disagree pixel by pixel: chi²/N {:.2}, {:.2} % beyond 4 standard errors, \
              the largest z {:.1} at x {}, y {}; {:.1} % of fd's RMS is not explained by noise",

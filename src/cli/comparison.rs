@@ -7,6 +7,9 @@ use serde::Serialize;
 /// reconstruction filter, whose widest here reaches a few pixels.
 const BLOCK: usize = 8;
 
+/// Differences below this share of the largest number are rounding.
+const ROUNDING: f64 = 1e-4;
+
 /// A gradient image with its standard errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate<'a> {
@@ -45,6 +48,9 @@ impl Comparison {
         let mut sums = Sums::default();
         let mut largest = (0.0, 0);
         let mut certain_differences = 0;
+        // Rounding in a renderer, and all the more in a difference quotient, has no error bar.
+        let rounding =
+            ROUNDING * largest_magnitude(tested.value).max(largest_magnitude(reference.value));
         for (at, [a, sa, b, sb]) in quadruples(tested, reference).enumerate() {
             let variance = sa * sa + sb * sb;
             if variance == 0.0 && a == 0.0 && b == 0.0 {
@@ -52,7 +58,7 @@ impl Comparison {
             }
             sums.compared += 1;
             if variance == 0.0 {
-                certain_differences += usize::from(!equal_to_rounding(a, b));
+                certain_differences += usize::from((a - b).abs() > rounding);
             } else {
                 let z = (a - b) / variance.sqrt();
                 sums.chi2 += z * z;
@@ -137,11 +143,6 @@ fn clustered_variance(tested: Estimate, reference: Estimate, bias: f64) -> f64 {
     blocks.iter().map(|block| block * block).sum()
 }
 
-/// Two paths to a number whose error bar is zero may differ in rounding.
-fn equal_to_rounding(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-12
-}
-
 /// The difference in standard errors; zero where neither estimate has one.
 pub fn z_scores(tested: Estimate, reference: Estimate) -> Image {
     let numbers: Vec<f32> = quadruples(tested, reference)
@@ -158,6 +159,14 @@ pub fn z_scores(tested: Estimate, reference: Estimate) -> Image {
         height: tested.value.height,
         pixels: numbers.as_chunks::<3>().0.to_vec(),
     }
+}
+
+fn largest_magnitude(image: &Image) -> f64 {
+    image
+        .pixels
+        .iter()
+        .flatten()
+        .fold(0.0, |largest, v| largest.max(v.abs() as f64))
 }
 
 /// The root of the mean square over pixels and channels.
