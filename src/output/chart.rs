@@ -11,7 +11,7 @@ const LEAST_WIDTH: usize = 256;
 /// Rows of the colour bar, and the margin around it and its labels.
 const BAR: usize = 10;
 const MARGIN: usize = 6;
-/// Dots of the font per pixel of the picture.
+/// Colours of the labels and of the ground.
 const INK: [u8; 3] = [30, 30, 30];
 const PAPER: [u8; 3] = [255, 255, 255];
 
@@ -33,7 +33,7 @@ pub fn write(path: &Path, image: &Image, scale: f32) -> Result<(), FileError> {
     )
 }
 
-/// A scale for [`write`]: the 99.5th percentile of the magnitudes that are not zero, rounded up to two
+/// A scale for [`write()`]: the 99.5th percentile of the magnitudes that are not zero, rounded up to two
 /// digits. A few fireflies do not wash the rest out; a mostly black image is not judged by its black.
 pub fn robust_scale(image: &Image) -> f32 {
     let mut magnitudes: Vec<f32> = image
