@@ -1,13 +1,15 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `lanes → scene → trace → kernels → adjoint → warp → paths → gradient → methods → cli`.
+//! `lanes → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → cli`.
 
 pub mod adjoint;
+pub mod cli;
 pub mod gradient;
 pub mod kernels;
 pub mod lanes;
 pub mod methods;
+pub mod output;
 pub mod paths;
 pub mod scene;
 pub mod trace;

@@ -1,1 +1,7 @@
-fn main() {}
+//! The `warpath` program: everything it does is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    warpath::cli::run(std::env::args_os())
+}

@@ -4,7 +4,7 @@
 //! triangle and α its angle there (Thürmer & Wüthrich 1998). Each corner is a small function of nine numbers; its
 //! Jacobian comes from dual numbers, in f64, once a mesh: nothing here is worth a kernel.
 
-use crate::lanes::{Dual, Real, V3};
+use crate::lanes::{Dual, V3};
 use crate::scene::{Mesh, Normals, Scene, SceneDifferential};
 use crate::trace::geometry::Geometry;
 use glam::{DMat3, DVec3, Vec3};

@@ -1,11 +1,13 @@
 //! The estimators behind `--method`, and the one interface through which commands use them.
 
 mod adjoint;
+mod differences;
 mod primal;
 mod stage;
 mod tangent;
 
-use crate::scene::SceneDifferential;
+use crate::scene::parameters::{self, Parameter};
+use crate::scene::{Scene, SceneDifferential, SceneError};
 use std::collections::BTreeMap;
 
 /// Which estimator computes a gradient.
@@ -137,5 +139,36 @@ pub enum EngineError {
 }
 
 pub use primal::render;
-pub use adjoint::backward;
-pub use tangent::forward;
+
+impl From<SceneError> for EngineError {
+    fn from(error: SceneError) -> Self {
+        EngineError::Refused(error.to_string())
+    }
+}
+
+/// Forward mode: the derivative of the image along one direction in parameter space.
+pub fn forward(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
+    if settings.method == Method::Fd {
+        return differences::forward(scene, settings, direction, progress);
+    }
+    let named: Vec<(&str, &[f32])> = direction.iter().map(|(p, v)| (p.key.as_str(), v.as_slice())).collect();
+    let tangent = parameters::tangent(scene, &named, settings.sensor)?;
+    tangent::forward(scene, settings, &tangent, progress)
+}
+
+/// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
+pub fn backward(
+    scene: &Scene,
+    settings: &Settings,
+    wanted: &[Parameter],
+    objective: &Objective,
+    progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    let request = parameters::wanted(scene, wanted, settings.sensor)?;
+    adjoint::backward(scene, settings, &request, objective, progress)
+}

@@ -16,7 +16,7 @@ use super::random::Stream;
 use super::store::{TileStore, Vertices};
 use super::tracer::{Counts, RayPacket, Surface, Tracer, from_lanes, lane_of, leave, to_rays};
 use crate::kernels::frame::direction_from_local;
-use crate::lanes::{LANES, Lane, Real, V3};
+use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::Coherence;

@@ -1,0 +1,244 @@
+//! What can be typed: the one definition from which parsing, `--help`, completions and the man page come.
+//! Nothing here looks at a scene or does any work.
+
+use super::values;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "Exit codes:
+  0         done
+  1         a check said no
+  2         wrong usage
+  3         the input is bad: scene, parameter, mesh, image
+  4         the world failed: files, memory
+  130, 143  interrupted; what was finished is on disk";
+
+const EXAMPLES: &str = "Examples:
+  warpath render scenes/shadow.xml --spp 64 -o out/shadow
+  warpath params scenes/shadow.xml
+  warpath forward scenes/shadow.xml --param ball.translation=1,0,0 --spp 64
+  warpath backward scenes/shadow.xml --param ball.vertex_positions --target photo.exr --loss l2
+  warpath check scenes/shadow.xml --param ball.translation=1,0,0";
+
+/// Gradients of path-traced images, through visibility, on the CPU.
+///
+/// Scenes are a subset of Mitsuba 3 XML. What an option does not say comes from the scene.
+#[derive(Debug, Parser)]
+#[command(
+    name = "warpath",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true
+)]
+#[command(after_help = EXIT_CODES, after_long_help = const_format(), disable_help_subcommand = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+fn const_format() -> String {
+    format!("{EXAMPLES}\n\n{EXIT_CODES}")
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Renders the image: image.exr, image.png
+    Render(RenderArguments),
+    /// Lists every parameter with its shape, flags and present value
+    Params(ParamsArguments),
+    /// Forward mode: the gradient image dI/dθ along one direction
+    ///
+    /// Writes gradient.exr, gradient.npy, gradient.png, stderr.npy and image.exr.
+    Forward(ForwardArguments),
+    /// Reverse mode: gradients of a loss for all the keys in one pass
+    ///
+    /// Writes gradients.safetensors and gradients.npz (one tensor a key, KEY#se its standard error)
+    /// and image.exr.
+    Backward(BackwardArguments),
+    /// Forward, backward and finite differences against each other; exit code 1 if they disagree
+    ///
+    /// Writes check.json and three images: forward, fd and z, the difference in standard errors.
+    Check(CheckArguments),
+    /// Prints a completion script for a shell
+    Completions {
+        /// The shell to complete in
+        shell: Shell,
+    },
+    /// Prints the manual page
+    Man,
+}
+
+/// The scene and how it is read.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// Scene file (Mitsuba 3 XML)
+    pub scene: PathBuf,
+    /// Gives a value to a $name of the scene
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::definition)]
+    pub defines: Vec<(String, String)>,
+    /// Which of the scene's sensors renders
+    #[arg(short, long, value_name = "I", default_value_t = 0)]
+    pub sensor: usize,
+}
+
+/// How the command talks.
+#[derive(Debug, Args)]
+pub struct TalkArguments {
+    /// Prints the report (or the list) as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// Prints nothing but errors on stderr
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// How messages and progress are written to stderr
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = LogFormat::Text)]
+    pub log_format: LogFormat,
+}
+
+/// What every command that traces rays takes.
+#[derive(Debug, Args)]
+pub struct TraceArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Camera paths per pixel [default: the scene's sample_count]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Seed of the random numbers [default: the scene's]
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Threads [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// Longest path in segments, -1 for no limit [default: the scene's]
+    #[arg(long, value_name = "D", value_parser = values::depth, allow_negative_numbers = true)]
+    pub max_depth: Option<u32>,
+    /// Size of the image in pixels [default: the scene's film]
+    #[arg(long, value_name = "WxH", value_parser = values::resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// What traces the rays
+    #[arg(long, value_enum, default_value_t = Backend::Embree)]
+    pub backend: Backend,
+    /// Directory for the files [default: out/COMMAND-SCENE]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath render`
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    #[command(flatten)]
+    pub trace: TraceArguments,
+}
+
+/// `warpath params`
+#[derive(Debug, Args)]
+pub struct ParamsArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath forward`
+#[derive(Debug, Args)]
+pub struct ForwardArguments {
+    #[command(flatten)]
+    pub trace: TraceArguments,
+    /// A parameter and its tangent: numbers, broadcast over the last axis, or @file.npy; repeated, they
+    /// make one direction
+    #[arg(short, long = "param", value_name = "KEY=TANGENT", required = true, value_parser = values::tangent)]
+    pub parameters: Vec<values::Tangent>,
+    /// How visibility is differentiated
+    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
+    pub method: MethodName,
+    /// Leaves standard errors out, which saves their memory
+    #[arg(long)]
+    pub no_stderr: bool,
+}
+
+/// `warpath backward`
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("objective").required(true).args(["adjoint", "target"]))]
+pub struct BackwardArguments {
+    #[command(flatten)]
+    pub trace: TraceArguments,
+    /// A parameter to differentiate with respect to; repeat for more
+    #[arg(short, long = "param", value_name = "KEY", required = true, value_parser = values::bare_key)]
+    pub parameters: Vec<String>,
+    /// The derivative of the loss by the image (.exr, .npy)
+    #[arg(long, value_name = "FILE")]
+    pub adjoint: Option<PathBuf>,
+    /// The image to compare with (.exr, .npy)
+    #[arg(long, value_name = "FILE")]
+    pub target: Option<PathBuf>,
+    /// How it is compared: the mean over pixels and channels of |difference| or of its square
+    #[arg(long, value_enum, default_value_t = Loss::L2, conflicts_with = "adjoint")]
+    pub loss: Loss,
+    /// How visibility is differentiated
+    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
+    pub method: MethodName,
+    /// Leaves standard errors out, which saves their memory
+    #[arg(long)]
+    pub no_stderr: bool,
+}
+
+/// `warpath check`
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    #[command(flatten)]
+    pub trace: TraceArguments,
+    /// A parameter and its tangent, as in forward
+    #[arg(short, long = "param", value_name = "KEY=TANGENT", required = true, value_parser = values::tangent)]
+    pub parameters: Vec<values::Tangent>,
+    /// The method to check against finite differences
+    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
+    pub method: MethodName,
+    /// A difference that is significant but smaller than this, relative to the finite differences, passes
+    #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
+    pub tolerance: f64,
+}
+
+/// How stderr is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people
+    Text,
+    /// One JSON object a line
+    Json,
+}
+
+/// What traces rays. Hidden ones are known but not built yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    Embree,
+    #[value(hide = true)]
+    Obvhs,
+}
+
+/// The estimators. Hidden ones are known but not built yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    /// Changes of variables that hold the discontinuities still
+    Reparam,
+    /// Ignores visibility: wrong wherever an edge moves
+    Interior,
+    /// Finite differences: the reference
+    Fd,
+    #[value(hide = true)]
+    Auto,
+    #[value(hide = true)]
+    Edges,
+    #[value(hide = true)]
+    WarpedArea,
+}
+
+/// How an image is compared with its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Loss {
+    L1,
+    L2,
+}

@@ -1,0 +1,125 @@
+//! The comparison must say yes to equals under noise and no to each kind of fault.
+
+use super::*;
+
+const SIDE: usize = 64;
+
+/// Normal numbers from a counter (a sum of twelve uniform ones is near enough).
+fn normal(seed: u64, at: usize) -> f64 {
+    let mut state = seed
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(at as u64);
+    let uniform = |state: &mut u64| {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    };
+    state = state.wrapping_mul(0x2545_f491_4f6c_dd1d);
+    (0..12).map(|_| uniform(&mut state)).sum::<f64>() - 6.0
+}
+
+fn image(number: impl Fn(usize) -> f64) -> Image {
+    let numbers: Vec<f32> = (0..SIDE * SIDE * 3).map(|at| number(at) as f32).collect();
+    Image {
+        width: SIDE,
+        height: SIDE,
+        pixels: numbers.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// A ring of positive and negative derivative on nothing.
+fn truth(at: usize) -> f64 {
+    let (x, y) = ((at / 3 % SIDE) as f64 - 32.0, (at / 3 / SIDE) as f64 - 32.0);
+    if (x.hypot(y) - 20.0).abs() < 3.0 {
+        x / 20.0
+    } else {
+        0.0
+    }
+}
+
+fn compare(tested: impl Fn(usize) -> f64) -> Comparison {
+    let noise = |seed, at| {
+        if truth(at) == 0.0 {
+            0.0
+        } else {
+            0.05 * normal(seed, at)
+        }
+    };
+    let stderr = image(|at| if truth(at) == 0.0 { 0.0 } else { 0.05 });
+    let value = image(|at| tested(at) + noise(1, at));
+    let reference = image(|at| truth(at) + noise(2, at));
+    Comparison::of(
+        Estimate {
+            value: &value,
+            stderr: &stderr,
+        },
+        Estimate {
+            value: &reference,
+            stderr: &stderr,
+        },
+    )
+}
+
+#[test]
+fn equals_agree() {
+    let c = compare(truth);
+    assert!((c.chi2_per_number - 1.0).abs() < 0.1, "{c:?}");
+    assert!(
+        c.share_beyond_4 < 0.002 && c.certain_differences == 0,
+        "{c:?}"
+    );
+    assert!(
+        c.relative_bias.abs() < 4.0 * c.relative_bias_se && c.relative_bias_se < 0.01,
+        "{c:?}"
+    );
+}
+
+#[test]
+fn a_bias_is_measured() {
+    let c = compare(|at| 0.9 * truth(at));
+    assert!(
+        (c.relative_bias + 0.1).abs() < 0.01 && c.relative_bias.abs() > 10.0 * c.relative_bias_se,
+        "{c:?}"
+    );
+}
+
+#[test]
+fn a_local_fault_is_seen() {
+    let c = compare(|at| if at / 3 / SIDE > 48 { 0.0 } else { truth(at) });
+    assert!(c.share_beyond_4 > 0.02 && c.relative_excess > 0.1, "{c:?}");
+}
+
+#[test]
+fn what_is_certain_must_be_equal() {
+    let c = compare(|at| if at < 3 { 1.0 } else { truth(at) });
+    assert_eq!(c.certain_differences, 3);
+}
+
+#[test]
+fn noise_alone_is_no_signal() {
+    let stderr = image(|_| 1.0);
+    let (a, b) = (image(|at| normal(1, at)), image(|at| normal(2, at)));
+    let c = Comparison::of(
+        Estimate {
+            value: &a,
+            stderr: &stderr,
+        },
+        Estimate {
+            value: &b,
+            stderr: &stderr,
+        },
+    );
+    assert!(!c.reference_is_significant, "{c:?}");
+}
+
+#[test]
+fn the_standard_error_is_that_of_the_mean() {
+    let groups: Vec<Vec<f32>> = (0..16).map(|g| vec![g as f32, 1.0]).collect();
+    let se = standard_error(&groups);
+    assert!(
+        (se[0] - 4.760_952_3 / 4.0).abs() < 1e-5 && se[1] == 0.0,
+        "{se:?}"
+    );
+}

@@ -1,0 +1,92 @@
+//! The command line: arguments apart from work, one file per command.
+
+pub mod arguments;
+mod backward;
+mod check;
+mod comparison;
+mod completions;
+mod direction;
+mod exit;
+mod forward;
+mod log;
+mod params;
+mod progress;
+mod render;
+mod report;
+mod session;
+mod signals;
+mod values;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use exit::Failure;
+use log::Log;
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// Commands of the interface that are still to come.
+const NOT_BUILT_YET: [&str; 5] = ["optimize", "batch", "merge", "study", "bench"];
+
+/// Runs the program with its arguments, the program's name first.
+pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let typed: Vec<OsString> = typed.into_iter().collect();
+    match Arguments::try_parse_from(&typed) {
+        Ok(arguments) => finish(&arguments, dispatch(&arguments, &typed)),
+        Err(error) => not_parsed(&error),
+    }
+}
+
+fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
+    match &arguments.command {
+        Command::Render(render) => render::run(render, typed),
+        Command::Params(params) => params::run(params),
+        Command::Forward(forward) => forward::run(forward, typed),
+        Command::Backward(backward) => backward::run(backward, typed),
+        Command::Check(check) => check::run(check, typed),
+        Command::Completions { shell } => completions::shell(*shell),
+        Command::Man => completions::man(),
+    }
+}
+
+fn finish(arguments: &Arguments, done: Result<(), Failure>) -> ExitCode {
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if !matches!(failure, Failure::BrokenPipe) {
+                log_of(arguments).error(&failure.to_string());
+            }
+            ExitCode::from(&failure)
+        }
+    }
+}
+
+fn log_of(arguments: &Arguments) -> Log {
+    match &arguments.command {
+        Command::Render(a) => Log::new(&a.trace.talk),
+        Command::Params(a) => Log::new(&a.talk),
+        Command::Forward(a) => Log::new(&a.trace.talk),
+        Command::Backward(a) => Log::new(&a.trace.talk),
+        Command::Check(a) => Log::new(&a.trace.talk),
+        Command::Completions { .. } | Command::Man => Log::plain(),
+    }
+}
+
+/// Help and the version count as success; everything else clap stops at is wrong usage.
+fn not_parsed(error: &clap::Error) -> ExitCode {
+    if error.kind() == ErrorKind::InvalidSubcommand
+        && let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
+        && NOT_BUILT_YET.contains(&name.as_str())
+    {
+        let failure = Failure::Usage(format!("warpath {name} is not built yet"));
+        Log::plain().error(&failure.to_string());
+        return ExitCode::from(&failure);
+    }
+    // A closed stdout is success; a closed stderr leaves nobody to tell.
+    let _ = error.print();
+    if error.use_stderr() {
+        ExitCode::from(&Failure::Usage(String::new()))
+    } else {
+        ExitCode::SUCCESS
+    }
+}

@@ -1,0 +1,114 @@
+//! How far a run is: a bar on a terminal, JSON events on request, else nothing.
+
+use super::log::Log;
+use super::signals::Signals;
+use crate::methods::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Between two JSON events.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+/// The progress of one stage.
+pub struct StageProgress {
+    stage: &'static str,
+    signals: Signals,
+    show: Show,
+    started: Instant,
+}
+
+enum Show {
+    Nothing,
+    Bar(ProgressBar),
+    Events(Log, Mutex<Instant>),
+}
+
+impl StageProgress {
+    /// Begins to show `stage`.
+    pub fn start(stage: &'static str, log: Log, signals: &Signals) -> Self {
+        let show = if log.is_quiet() {
+            Show::Nothing
+        } else if log.is_json() {
+            Show::Events(log, Mutex::new(Instant::now()))
+        } else if std::io::stderr().is_terminal() {
+            Show::Bar(bar(stage))
+        } else {
+            Show::Nothing
+        };
+        Self {
+            stage,
+            signals: signals.clone(),
+            show,
+            started: Instant::now(),
+        }
+    }
+
+    /// Takes the bar away, leaving the terminal to the messages that follow.
+    pub fn finish(self) {
+        if let Show::Bar(bar) = &self.show {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn event(&self, log: Log, done: u64, total: u64) {
+        let seconds = self.started.elapsed().as_secs_f64();
+        let rate = done as f64 / seconds.max(1e-9);
+        let left = if done > 0 {
+            Some((total.saturating_sub(done)) as f64 / rate)
+        } else {
+            None
+        };
+        log.event(&json!({
+            "event": "progress", "stage": self.stage, "done": done, "total": total,
+            "seconds": seconds, "rate": rate, "seconds_left": left,
+        }));
+    }
+}
+
+impl Progress for StageProgress {
+    fn advance(&self, done: u64, total: u64) {
+        match &self.show {
+            Show::Nothing => {}
+            Show::Bar(bar) => {
+                bar.set_length(total);
+                bar.set_position(done);
+            }
+            Show::Events(log, last) => {
+                // A thread that finds another one reporting has nothing to add.
+                let Ok(mut last) = last.try_lock() else {
+                    return;
+                };
+                if last.elapsed() >= INTERVAL {
+                    *last = Instant::now();
+                    self.event(*log, done, total);
+                }
+            }
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.signals.received().is_some()
+    }
+}
+
+impl Drop for StageProgress {
+    /// An error on the way must not leave half a bar under its message.
+    fn drop(&mut self) {
+        if let Show::Bar(bar) = &self.show {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar(stage: &'static str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+    let template = "{msg:>9} {wide_bar} {percent:>3} %  {per_sec}  {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message(stage);
+    bar
+}

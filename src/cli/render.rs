@@ -1,0 +1,18 @@
+//! `warpath render`: the image.
+
+use super::arguments::RenderArguments;
+use super::exit::Failure;
+use super::session::Session;
+use crate::methods;
+use crate::output::{exr, png};
+use std::ffi::OsString;
+
+/// Renders and writes `image.exr` and `image.png`.
+pub fn run(arguments: &RenderArguments, typed: &[OsString]) -> Result<(), Failure> {
+    let mut session = Session::open("render", &arguments.trace, typed, None, false)?;
+    let settings = session.settings.clone();
+    let rendering = session.trace("render", &settings, methods::render, |r| &r.statistics)?;
+    session.write("image.exr", |path| exr::write(path, &rendering.image))?;
+    session.write("image.png", |path| png::write_image(path, &rendering.image))?;
+    session.close()
+}

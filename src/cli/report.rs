@@ -1,0 +1,120 @@
+//! `report.json`: what was run, on what, and what it cost.
+
+use crate::methods::{Settings, Statistics};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The report of one run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    pub version: &'static str,
+    pub command: &'static str,
+    pub arguments: Vec<String>,
+    pub scene: SceneReport,
+    pub sensor: usize,
+    pub resolution: [u32; 2],
+    pub spp: u32,
+    pub seed: u64,
+    /// Null for no limit.
+    pub max_depth: Option<u32>,
+    pub method: Option<&'static str>,
+    pub backend: &'static str,
+    pub threads: usize,
+    pub seconds: BTreeMap<String, f64>,
+    pub rays: BTreeMap<String, u64>,
+    pub rejected: BTreeMap<String, u64>,
+    pub warnings: Vec<String>,
+    pub notes: Vec<String>,
+    pub peak_memory_bytes: Option<u64>,
+    /// What the command found: the loss, norms, a verdict.
+    pub results: serde_json::Map<String, serde_json::Value>,
+    /// Names in the output directory.
+    pub files: Vec<String>,
+}
+
+/// Which scene it was.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneReport {
+    pub path: String,
+    /// FNV-1a of everything that was read.
+    pub hash: String,
+    pub defines: BTreeMap<String, String>,
+}
+
+impl Report {
+    /// Fills in what is known before anything is traced.
+    pub fn new(
+        command: &'static str,
+        scene: SceneReport,
+        settings: &Settings,
+        resolution: [u32; 2],
+    ) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            command,
+            arguments: Vec::new(),
+            scene,
+            sensor: settings.sensor,
+            resolution,
+            spp: settings.spp,
+            seed: settings.seed,
+            max_depth: Some(settings.max_depth).filter(|depth| *depth != u32::MAX),
+            method: None,
+            backend: "embree",
+            threads: settings.threads,
+            seconds: BTreeMap::new(),
+            rays: BTreeMap::new(),
+            rejected: BTreeMap::new(),
+            warnings: Vec::new(),
+            notes: Vec::new(),
+            peak_memory_bytes: None,
+            results: serde_json::Map::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Adds what a run of the engine did to what earlier runs did.
+    pub fn absorb(&mut self, statistics: &Statistics) {
+        add(&mut self.seconds, &statistics.seconds);
+        add(&mut self.rays, &statistics.rays);
+        add(&mut self.rejected, &statistics.rejected);
+        for note in &statistics.notes {
+            if !self.notes.contains(note) {
+                self.notes.push(note.clone());
+            }
+        }
+    }
+
+    /// Adds to one stage's seconds.
+    pub fn spend(&mut self, stage: &str, seconds: f64) {
+        *self.seconds.entry(stage.into()).or_default() += seconds;
+    }
+}
+
+fn add<T: Copy + Default + std::ops::AddAssign>(
+    sums: &mut BTreeMap<String, T>,
+    terms: &BTreeMap<&'static str, T>,
+) {
+    for (&name, &term) in terms {
+        *sums.entry(name.into()).or_default() += term;
+    }
+}
+
+/// The most memory the process has held, where the system tells.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_system_tells_the_peak_memory() {
+        assert!(super::peak_memory_bytes().is_some_and(|bytes| bytes > 100_000));
+    }
+}

@@ -1,0 +1,274 @@
+//! What all commands that trace rays share: loading, settings, the output directory, the report.
+
+use super::arguments::{Backend, MethodName, SceneArguments, TraceArguments};
+use super::exit::Failure;
+use super::log::Log;
+use super::progress::StageProgress;
+use super::report::{Report, SceneReport, peak_memory_bytes};
+use super::signals::Signals;
+use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
+use crate::output::{FileError, atomic};
+use crate::scene::{self, Scene};
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// More warnings than this about a scene are counted, not printed; the report has them all.
+const WARNINGS_PRINTED: usize = 10;
+
+/// One run of a command, from the loaded scene to the written report.
+pub struct Session {
+    pub scene: Scene,
+    pub settings: Settings,
+    pub report: Report,
+    pub log: Log,
+    directory: PathBuf,
+    directory_is_ready: bool,
+    signals: Signals,
+    started: Instant,
+    json: bool,
+}
+
+impl Session {
+    /// Loads the scene and settles every setting. Nothing is written yet.
+    pub fn open(
+        command: &'static str,
+        trace: &TraceArguments,
+        typed: &[OsString],
+        method: Option<Method>,
+        standard_error: bool,
+    ) -> Result<Self, Failure> {
+        if trace.backend == Backend::Obvhs {
+            return Err(Failure::Usage(
+                "--backend obvhs is not built yet; use embree".into(),
+            ));
+        }
+        let started = Instant::now();
+        let signals = Signals::watch();
+        let log = Log::new(&trace.talk);
+        let scene = load(&trace.scene, log)?;
+        let settings = settings(trace, &scene, method.unwrap_or_default(), standard_error)?;
+        let resolution = settings
+            .resolution
+            .unwrap_or(scene.sensors[settings.sensor].film.crop_size);
+        let mut report = Report::new(
+            command,
+            describe(&trace.scene, &scene),
+            &settings,
+            resolution,
+        );
+        report.arguments = typed
+            .iter()
+            .skip(1)
+            .map(|argument| argument.to_string_lossy().into_owned())
+            .collect();
+        report.method = method.map(Method::name);
+        report.warnings = scene.warnings.clone();
+        report.spend("load", started.elapsed().as_secs_f64());
+        let directory = trace
+            .output
+            .clone()
+            .unwrap_or_else(|| default_directory(command, &trace.scene.scene));
+        Ok(Self {
+            scene,
+            settings,
+            report,
+            log,
+            directory,
+            directory_is_ready: false,
+            signals,
+            started,
+            json: trace.talk.json,
+        })
+    }
+
+    /// Width and height of the image.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.report.resolution
+    }
+
+    /// Says something the user should know, now and in the report.
+    pub fn warn(&mut self, text: String) {
+        self.log.warning(&text);
+        self.report.warnings.push(text);
+    }
+
+    /// Runs the engine once, showing how far it is.
+    pub fn trace<T>(
+        &mut self,
+        stage: &'static str,
+        settings: &Settings,
+        work: impl FnOnce(&Scene, &Settings, &dyn Progress) -> Result<T, EngineError>,
+        statistics: impl FnOnce(&T) -> &Statistics,
+    ) -> Result<T, Failure> {
+        // Hours of tracing must not end in a directory that cannot be written.
+        self.prepare_directory()?;
+        let progress = StageProgress::start(stage, self.log, &self.signals);
+        let done = work(&self.scene, settings, &progress);
+        progress.finish();
+        let done = done.map_err(|error| Failure::from_engine(error, self.signals.received()))?;
+        self.report.absorb(statistics(&done));
+        Ok(done)
+    }
+
+    /// Writes one file of the results.
+    pub fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&Path) -> Result<(), FileError>,
+    ) -> Result<(), Failure> {
+        let started = Instant::now();
+        self.prepare_directory()?;
+        write(&self.directory.join(name))?;
+        self.report.spend("write", started.elapsed().as_secs_f64());
+        self.report.files.push(name.into());
+        Ok(())
+    }
+
+    /// A file of an earlier run that would now be taken for a part of this one's results.
+    pub fn warn_of_leftover(&mut self, name: &str) {
+        let path = self.directory.join(name);
+        if path.exists() {
+            self.warn(format!("{} is from an earlier run", path.display()));
+        }
+    }
+
+    /// Writes the report, and says what was done.
+    pub fn close(mut self) -> Result<(), Failure> {
+        for (cause, count) in self.report.rejected.clone() {
+            if count > 0 {
+                self.warn(format!("{count} samples were rejected: {cause}"));
+            }
+        }
+        for note in &self.report.notes {
+            self.log.note(note);
+        }
+        self.report.files.push("report.json".into());
+        self.report.peak_memory_bytes = peak_memory_bytes();
+        self.report
+            .spend("total", self.started.elapsed().as_secs_f64());
+        let text = serde_json::to_string_pretty(&self.report)
+            .map_err(|error| Failure::World(error.to_string()))?
+            + "\n";
+        atomic::write(&self.directory.join("report.json"), |file| {
+            file.write_all(text.as_bytes())
+        })?;
+        let seconds = self.started.elapsed().as_secs_f64();
+        self.log.note(&format!(
+            "{}: {} ({seconds:.2} s)",
+            self.directory.display(),
+            self.report.files.join(", ")
+        ));
+        if self.json {
+            let mut stdout = std::io::stdout().lock();
+            stdout.write_all(text.as_bytes())?;
+            stdout.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Whether the report goes to stdout, which then has room for nothing else.
+    pub fn prints_json(&self) -> bool {
+        self.json
+    }
+
+    fn prepare_directory(&mut self) -> Result<(), Failure> {
+        if !self.directory_is_ready {
+            atomic::prepare_directory(&self.directory)?;
+            self.directory_is_ready = true;
+        }
+        Ok(())
+    }
+}
+
+/// Loads a scene, passing its warnings on.
+pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
+    let scene = scene::load(&arguments.scene, &arguments.defines)
+        .map_err(|error| Failure::Input(error.to_string()))?;
+    for warning in scene.warnings.iter().take(WARNINGS_PRINTED) {
+        log.warning(warning);
+    }
+    if scene.warnings.len() > WARNINGS_PRINTED {
+        log.warning(&format!(
+            "and {} more about the scene",
+            scene.warnings.len() - WARNINGS_PRINTED
+        ));
+    }
+    if arguments.sensor >= scene.sensors.len() {
+        let ids: Vec<&str> = scene
+            .sensors
+            .iter()
+            .map(|sensor| sensor.id.as_str())
+            .collect();
+        return Err(Failure::Input(format!(
+            "--sensor {}: the scene has {}, counted from 0: {}",
+            arguments.sensor,
+            counted(ids.len(), "sensor"),
+            ids.join(", ")
+        )));
+    }
+    Ok(scene)
+}
+
+/// `1 sensor`, `2 sensors`.
+pub fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The method behind a name, refusing those that are still to come.
+pub fn method(name: MethodName) -> Result<Method, Failure> {
+    let refused = |name| {
+        Err(Failure::Usage(format!(
+            "--method {name} is not built yet; use reparam, interior or fd"
+        )))
+    };
+    match name {
+        MethodName::Interior => Ok(Method::Interior),
+        MethodName::Reparam => Ok(Method::Reparam),
+        MethodName::Fd => Ok(Method::Fd),
+        MethodName::Auto => refused("auto"),
+        MethodName::Edges => refused("edges"),
+        MethodName::WarpedArea => refused("warped-area"),
+    }
+}
+
+fn settings(
+    trace: &TraceArguments,
+    scene: &Scene,
+    method: Method,
+    standard_error: bool,
+) -> Result<Settings, Failure> {
+    let sensor = &scene.sensors[trace.scene.sensor];
+    let threads = match trace.threads {
+        Some(threads) => threads,
+        None => std::thread::available_parallelism().map_or(1, |cores| cores.get()),
+    };
+    Ok(Settings {
+        spp: trace.spp.unwrap_or(sensor.sample_count).max(1),
+        seed: trace.seed.unwrap_or(sensor.seed.into()),
+        threads,
+        max_depth: trace.max_depth.unwrap_or(scene.integrator.max_depth),
+        rr_depth: scene.integrator.rr_depth,
+        hide_emitters: scene.integrator.hide_emitters,
+        sensor: trace.scene.sensor,
+        resolution: trace.resolution,
+        method,
+        standard_error,
+    })
+}
+
+fn describe(arguments: &SceneArguments, scene: &Scene) -> SceneReport {
+    SceneReport {
+        path: arguments.scene.display().to_string(),
+        hash: format!("fnv1a64:{:016x}", scene.hash),
+        defines: arguments.defines.iter().cloned().collect(),
+    }
+}
+
+fn default_directory(command: &str, scene: &Path) -> PathBuf {
+    let stem = scene
+        .file_stem()
+        .map_or("scene".into(), |stem| stem.to_string_lossy());
+    Path::new("out").join(format!("{command}-{stem}"))
+}

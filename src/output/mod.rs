@@ -1,0 +1,42 @@
+//! Files that leave the program, and the image and array files that users hand in: one module per format.
+
+pub mod atomic;
+pub mod chart;
+pub mod colormap;
+pub mod exr;
+pub mod glyphs;
+pub mod npy;
+pub mod picture;
+pub mod png;
+pub mod tensors;
+
+use std::path::PathBuf;
+
+/// Why a file could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The disk or the permissions said no.
+    #[error("{}: {what}", .path.display())]
+    Io { path: PathBuf, what: String },
+    /// The file's contents are not what is needed.
+    #[error("{}: {what}", .path.display())]
+    Contents { path: PathBuf, what: String },
+}
+
+impl FileError {
+    /// A failure of the machine while working on `path`.
+    pub fn io(path: impl Into<PathBuf>, what: impl ToString) -> Self {
+        Self::Io {
+            path: path.into(),
+            what: what.to_string(),
+        }
+    }
+
+    /// A fault in the file at `path`.
+    pub fn contents(path: impl Into<PathBuf>, what: impl ToString) -> Self {
+        Self::Contents {
+            path: path.into(),
+            what: what.to_string(),
+        }
+    }
+}

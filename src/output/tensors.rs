@@ -1,0 +1,115 @@
+//! Named gradients: safetensors for machine learning, npz for NumPy.
+
+use super::{FileError, atomic};
+use npyz::WriterBuilder;
+use npyz::npz::NpzWriter;
+use npyz::zip::write::FileOptions;
+use npyz::zip::{CompressionMethod, DateTime};
+use safetensors::tensor::{Dtype, TensorView};
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+/// One array under a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tensor {
+    pub name: String,
+    pub shape: Vec<usize>,
+    pub values: Vec<f32>,
+}
+
+/// Writes the tensors as one `.safetensors` file.
+pub fn write_safetensors(path: &Path, tensors: &[Tensor]) -> Result<(), FileError> {
+    let bytes: Vec<Vec<u8>> = tensors
+        .iter()
+        .map(|t| t.values.iter().flat_map(|v| v.to_le_bytes()).collect())
+        .collect();
+    let views = tensors
+        .iter()
+        .zip(&bytes)
+        .map(|(tensor, bytes)| {
+            Ok((
+                tensor.name.as_str(),
+                TensorView::new(Dtype::F32, tensor.shape.clone(), bytes)?,
+            ))
+        })
+        .collect::<Result<Vec<_>, safetensors::SafeTensorError>>();
+    // No metadata: it would be written in the order of a hash map, and equal runs must give equal bytes.
+    let file = views
+        .and_then(|views| safetensors::serialize(views, None))
+        .map_err(|error| FileError::io(path, error))?;
+    atomic::write(path, |writer| writer.write_all(&file))
+}
+
+/// Writes the tensors as one uncompressed `.npz` archive, without dates so that equal runs give equal bytes.
+pub fn write_npz(path: &Path, tensors: &[Tensor]) -> Result<(), FileError> {
+    let file = npz(tensors).map_err(|error| FileError::io(path, error))?;
+    atomic::write(path, |writer| writer.write_all(&file))
+}
+
+fn npz(tensors: &[Tensor]) -> io::Result<Vec<u8>> {
+    let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
+    let options = FileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default());
+    for tensor in tensors {
+        let shape: Vec<u64> = tensor.shape.iter().map(|&n| n as u64).collect();
+        let mut array = archive
+            .array::<f32>(&tensor.name, options)?
+            .default_dtype()
+            .shape(&shape)
+            .begin_nd()?;
+        array.extend(tensor.values.iter().copied())?;
+        array.finish()?;
+    }
+    Ok(archive
+        .zip_writer()
+        .finish()
+        .map_err(io::Error::other)?
+        .into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_formats_give_back_what_was_written() {
+        let directory = tempfile::tempdir().unwrap();
+        let tensors = [
+            Tensor {
+                name: "b.translation".into(),
+                shape: vec![3],
+                values: vec![1., 2., 3.],
+            },
+            Tensor {
+                name: "a.vertex_positions#se".into(),
+                shape: vec![2, 3],
+                values: vec![0.5; 6],
+            },
+            Tensor {
+                name: "a.scale".into(),
+                shape: vec![],
+                values: vec![-1.],
+            },
+        ];
+        let path = directory.path().join("g.safetensors");
+        write_safetensors(&path, &tensors).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let read = safetensors::SafeTensors::deserialize(&bytes).unwrap();
+        assert_eq!(read.tensor("b.translation").unwrap().shape(), [3]);
+        assert_eq!(
+            read.tensor("a.vertex_positions#se").unwrap().data()[..4],
+            0.5f32.to_le_bytes()
+        );
+
+        let path = directory.path().join("g.npz");
+        write_npz(&path, &tensors).unwrap();
+        let mut archive = npyz::npz::NpzArchive::open(&path).unwrap();
+        let array = archive.by_name("a.vertex_positions#se").unwrap().unwrap();
+        assert_eq!(array.shape(), [2, 3]);
+        assert_eq!(array.into_vec::<f32>().unwrap(), vec![0.5; 6]);
+        let first = std::fs::read(&path).unwrap();
+        write_npz(&path, &tensors).unwrap();
+        assert_eq!(first, std::fs::read(&path).unwrap());
+    }
+}
