@@ -96,6 +96,39 @@ static inline unsigned JOIN(occluded_part, W)(const WarpathAccel *accel, const f
     return blocked << at;
 }
 
+/* See warpath_floor. */
+static double JOIN(floor, W)(const WarpathAccel *accel, const float *rays, unsigned n, unsigned stride,
+                             unsigned packets, int coherent, unsigned long long *hits)
+{
+    _Alignas(64) int valid[W];
+    size_t count = (size_t)packets * (n / W);
+    RAYHIT *all = aligned_alloc(64, (count * sizeof *all + 63) & ~(size_t)63);
+    if (!all) return -1.0;
+    for (size_t i = 0; i < count; i++) {
+        JOIN(load, W)(&all[i].ray, valid, rays + i / (n / W) * stride, ~0u, n, i % (n / W) * W);
+        memset(&all[i].hit, 0xff, sizeof all[i].hit);
+    }
+    memset(valid, 0xff, sizeof valid);
+    IntersectQuery query;
+    init_intersect(&query, coherent);
+    *hits = 0;
+    double start = now();
+    for (size_t i = 0; i < count; i++) {
+        RAYHIT rh = all[i]; /* Embree answers in place, and a program needs its rays again */
+#if W == 1
+        INTERSECT1(accel->scene, &query, &rh);
+#else
+        INTERSECTN(W, accel->scene, &query, valid, &rh);
+#endif
+        const unsigned *mesh = (const unsigned *)&rh.hit.geomID;
+        for (unsigned k = 0; k < W; k++)
+            *hits += mesh[k] != RTC_INVALID_GEOMETRY_ID;
+    }
+    double seconds = now() - start;
+    free(all);
+    return seconds;
+}
+
 #undef JOIN_
 #undef JOIN
 #undef RAY
