@@ -19,6 +19,14 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
 {
     const size_t size = W * sizeof(float);
     rays += at;
+#if W == 1
+    /* Embree loads each four as one vector, which waits if they were stored one by one. */
+    typedef float Four __attribute__((vector_size(16)));
+    Four origin = {rays[0], rays[n], rays[2 * n], rays[3 * n]};
+    Four direction = {rays[4 * n], rays[5 * n], rays[6 * n], 0.0f};
+    memcpy(&ray->org_x, &origin, sizeof origin);
+    memcpy(&ray->dir_x, &direction, sizeof direction); /* and time = 0 */
+#else
     memcpy(&ray->org_x, rays, size);
     memcpy(&ray->org_y, rays + n, size);
     memcpy(&ray->org_z, rays + 2 * n, size);
@@ -26,8 +34,9 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
     memcpy(&ray->dir_x, rays + 4 * n, size);
     memcpy(&ray->dir_y, rays + 5 * n, size);
     memcpy(&ray->dir_z, rays + 6 * n, size);
-    memcpy(&ray->tfar, rays + 7 * n, size);
     memset(&ray->time, 0, size);
+#endif
+    memcpy(&ray->tfar, rays + 7 * n, size);
     memset(&ray->mask, 0xff, size);
     memset(&ray->id, 0, size);
     memset(&ray->flags, 0, size);

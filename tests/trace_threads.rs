@@ -14,7 +14,7 @@ fn threads() -> usize {
 }
 
 #[test]
-fn one_thread_builds_alone() {
+fn builds_start_as_many_threads_as_they_are_told() {
     let (positions, triangles) = shapes::icosphere(6, Vec3::ZERO, 1.0);
     let view = MeshView {
         positions: &positions,
@@ -24,4 +24,10 @@ fn one_thread_builds_alone() {
     let mut accel = Accel::build(&[view], AccelOptions::new(true, 1)).unwrap();
     accel.refit(&[view]).unwrap();
     assert_eq!(threads(), before, "a build on one thread started others");
+    Accel::build(&[view], AccelOptions::new(true, 2)).unwrap();
+    let started = threads() - before;
+    assert!(
+        started <= 1,
+        "a build on two threads started {started} more"
+    );
 }
