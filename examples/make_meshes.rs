@@ -9,7 +9,7 @@ type Point = [f64; 3];
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes/meshes".into()));
     std::fs::create_dir_all(&folder)?;
-    write_binary(&folder.join("knot.ply"), &tube(160, 14, 0.11, trefoil))?;
+    write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
     write_binary(&folder.join("ring.ply"), &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]))?;
     write_ascii(&folder.join("wedge.ply"), &wedge())
 }
