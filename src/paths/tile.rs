@@ -70,9 +70,7 @@ impl TracedTile {
             }
         }
         if let Some(adjacency) = tracer.adjacency {
-            let mut found = std::mem::take(&mut store.film_crossings);
-            film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts.unresolved, &mut found);
-            store.film_crossings = found;
+            store.film_crossings = film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
         }
         let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
         Self { tile, store, image, counts, taps }
