@@ -73,6 +73,8 @@ impl TracedTile {
             let mut found = std::mem::take(&mut store.film_crossings);
             film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts.unresolved, &mut found);
             store.film_crossings = found;
+            let found = [store.film_crossings.len(), store.light_crossings.len(), store.bounce_crossings.len()];
+            counts.resolved += found.iter().sum::<usize>() as u64;
         }
         let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
         Self { tile, store, image, counts, taps }
