@@ -174,3 +174,8 @@ pub fn backward(
     let request = parameters::wanted(scene, wanted, settings.sensor)?;
     adjoint::backward(scene, settings, &request, objective, progress)
 }
+
+#[doc(hidden)]
+pub use adjoint::backward as backward_for;
+#[doc(hidden)]
+pub use tangent::forward as forward_along;

@@ -7,7 +7,7 @@
 //! a cosine-distributed direction has density sin φ/2 in φ. A silhouette that crosses it at ψ with angular speed ψ̇
 //! contributes, per unit of reflectance, (1/π)·(L₋ − L₊)·ψ̇·2 cos²ψ.
 //!
-//! Two families of lines are used, about two orthogonal axes of the horizon. Each finds every silhouette, so they are
+//! Two families of lines are used, about two orthogonal axes of the horizon. Each could find every silhouette, so they are
 //! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
 //! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
 
@@ -51,8 +51,12 @@ pub enum Seen<'a> {
 /// Streams of paths that look beside silhouettes are kept apart from all others by this dimension offset.
 const PROBE_INDEX: u32 = 0x4000_0000;
 
-/// Finds the crossings on both lines through each lane's bounce `rays`, for the vertex stored last; `depth` is that of
-/// the vertices the bounces lead to.
+/// Points on a line besides its bounce and its two ends on the horizon: jittered, so that no silhouette hides between
+/// the same two points for all vertices.
+const INNER_POINTS: usize = 4;
+
+/// Finds the crossings on a line through each lane's bounce `rays`, for the vertex stored last; `depth` is that of the
+/// vertices the bounces lead to. One of the two families is drawn for the whole packet.
 #[allow(clippy::too_many_arguments)]
 pub fn find(
     tracer: &Tracer,
@@ -67,7 +71,10 @@ pub fn find(
     store: &mut TileStore,
 ) {
     let first = store.bounce_crossings.len() as u32;
-    let mut finder = Finder { tracer, adjacency, surface, rays, counts, out: &mut store.bounce_crossings };
+    let (_, jitter) = stream.pair(index, depth * super::tracer::PAIRS_PER_VERTEX - 1);
+    let axis = (stream.uniform(AXIS + index[0].wrapping_mul(8).wrapping_add(depth)) * 2.0) as usize;
+    let lines = Lines::new(surface, rays.direction, axis, jitter);
+    let mut finder = Finder { tracer, adjacency, surface, rays, lines, counts, out: &mut store.bounce_crossings };
     // Where only the environment shines a line needs no more than occlusion; else every line costs walks over whatever
     // is seen, and one lane stands for all.
     let at_last = depth + 1 >= tracer.limits.max_depth;
@@ -87,97 +94,154 @@ pub fn find(
     }
 }
 
+/// Dimension of a stream from which on families of lines are drawn.
+const AXIS: u32 = 0x2000_0000;
+
+/// The line of each lane: great half-circles through the bounce.
+struct Lines {
+    axis: usize,
+    /// P and the unit vector orthogonal to it in the line's plane: d = P·sin ψ + M·cos ψ.
+    pole: V3<Lane>,
+    middle: V3<Lane>,
+    /// ψ of all points in each lane, increasing, and which of them is the bounce.
+    psi: [[f32; LANES]; INNER_POINTS + 3],
+    bounce: [usize; LANES],
+}
+
+impl Lines {
+    fn new(surface: &Surface, bounce: V3<Lane>, axis: usize, jitter: Lane) -> Self {
+        let pole = horizon_axis(surface, axis);
+        let sin = bounce.dot(pole);
+        let across = bounce - pole * sin;
+        let cos = across.length();
+        let middle = across * (Lane::splat(1.0) / cos);
+        let (sin, cos, jitter) = (sin.to_array(), cos.to_array(), jitter.to_array());
+        let mut psi = [[0.0; LANES]; INNER_POINTS + 3];
+        let mut place = [0; LANES];
+        let quarter = std::f32::consts::FRAC_PI_2;
+        for lane in 0..LANES {
+            let of_bounce = sin[lane].atan2(cos[lane]);
+            let inner = |k: usize| 2.0 * quarter * (k as f32 + jitter[lane]) / INNER_POINTS as f32 - quarter;
+            let before = (0..INNER_POINTS).filter(|&k| inner(k) < of_bounce).count();
+            for (i, row) in psi.iter_mut().enumerate() {
+                row[lane] = match i {
+                    0 => -quarter,
+                    i if i == INNER_POINTS + 2 => quarter,
+                    i if i == before + 1 => of_bounce,
+                    i if i <= before => inner(i - 1),
+                    i => inner(i - 2),
+                };
+            }
+            place[lane] = before + 1;
+        }
+        Self { axis, pole, middle, psi, bounce: place }
+    }
+
+    /// Directions of point `i` in all lanes.
+    fn directions(&self, i: usize) -> V3<Lane> {
+        let (sin, cos) = Lane::new(self.psi[i]).sin_cos();
+        self.pole * sin + self.middle * cos.max(Lane::splat(0.0))
+    }
+}
+
+fn horizon_axis(surface: &Surface, axis: usize) -> V3<Lane> {
+    let (zero, one) = (Lane::splat(0.0), Lane::splat(1.0));
+    let [lx, ly] = if axis == 0 { [one, zero] } else { [zero, one] };
+    direction_from_local(surface.n, lx, ly, zero)
+}
+
 struct Finder<'a> {
     tracer: &'a Tracer<'a>,
     adjacency: &'a Adjacency,
     surface: &'a Surface,
     rays: &'a RayPacket,
+    lines: Lines,
     counts: &'a mut Counts,
     out: &'a mut Vec<BounceCrossing>,
 }
 
-impl Finder<'_> {
-    /// Unit vectors of a horizon axis in each lane.
-    fn pole(&self, axis: usize, sign: f64) -> V3<Lane> {
-        let (zero, one) = (Lane::splat(0.0), Lane::splat(sign as f32));
-        let [lx, ly] = if axis == 0 { [one, zero] } else { [zero, one] };
-        direction_from_local(self.surface.n, lx, ly, zero)
-    }
+/// There are two families and one is drawn.
+const FAMILIES: f32 = 2.0;
 
+impl Finder<'_> {
     fn environment(&mut self, free: u32) {
         let Some(environment) = &self.tracer.scene.environment else { return };
-        let radiance = environment.radiance;
+        let radiance = environment.radiance.map(|r| r * FAMILIES);
         let active = self.rays.active;
-        for axis in 0..2 {
-            for sign in [-1.0, 1.0] {
-                let pole = self.pole(axis, sign);
-                let origin = leave(self.surface.x, self.surface.geometric, self.surface.n);
-                let rays = RayPacket { active, origin, direction: pole, near: 0.0, far: f32::INFINITY };
-                self.counts.bounce_cell += active.count_ones() as u64;
-                let open = active & !self.tracer.accel.occluded(&to_rays(&rays), active, Coherence::Incoherent);
-                for lane in (0..LANES).filter(|&l| (open ^ free) & active & 1 << l != 0) {
-                    let ends = [lane_of(self.rays.direction, lane), lane_of(pole, lane)].map(|d| d.as_dvec3());
-                    let pole_is_dark = open >> lane & 1 == 0;
-                    let (dark, bright) = if pole_is_dark { (1.0, 0.0) } else { (0.0, 1.0) };
-                    let direction = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
-                    let point = SurfacePoint::of_lane(self.surface, lane);
-                    let found = follow_occluders(
-                        self.tracer, self.adjacency, &point, &direction, [dark, bright], f32::INFINITY, self.counts,
-                    );
-                    // Along ψ (toward +P): the bright side lies before the crossing if the dark end is the one at +P, or
-                    // the bright end is the one at −P.
-                    let before_is_bright = pole_is_dark == (sign > 0.0);
-                    let jump = radiance.map(|r| if before_is_bright { r } else { -r });
-                    match found {
-                        Some((fold, s)) => self.push(lane, axis, Boundary::Edge(fold.edge), direction(s), jump),
-                        None => self.counts.unresolved += 1,
+        let open: [u32; INNER_POINTS + 3] = std::array::from_fn(|i| {
+            let is_bounce = (0..LANES).filter(|&l| self.lines.bounce[l] == i).fold(0, |b, l| b | 1 << l) & active;
+            let wanted = active & !is_bounce;
+            if wanted == 0 {
+                return free & is_bounce;
+            }
+            let direction = self.lines.directions(i);
+            let origin = leave(self.surface.x, self.surface.geometric, self.surface.n);
+            let rays = RayPacket { active: wanted, origin, direction, near: 0.0, far: f32::INFINITY };
+            self.counts.bounce_cell += wanted.count_ones() as u64;
+            let blocked = self.tracer.accel.occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
+            (wanted & !blocked) | (free & is_bounce)
+        });
+        for i in 0..INNER_POINTS + 2 {
+            for lane in (0..LANES).filter(|&l| (open[i] ^ open[i + 1]) & active & 1 << l != 0) {
+                let ends = [i, i + 1].map(|i| lane_of(self.lines.directions(i), lane).as_dvec3());
+                let before_is_bright = open[i] >> lane & 1 == 1;
+                let cell = if before_is_bright { [1.0, 0.0] } else { [0.0, 1.0] };
+                let direction = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
+                let point = SurfacePoint::of_lane(self.surface, lane);
+                let far = f32::INFINITY;
+                match follow_occluders(self.tracer, self.adjacency, &point, &direction, cell, far, self.counts) {
+                    Some((fold, s)) => {
+                        let jump = radiance.map(|r| if before_is_bright { r } else { -r });
+                        self.push(lane, Boundary::Edge(fold.edge), direction(s), jump);
                     }
+                    None => self.counts.unresolved += 1,
                 }
             }
         }
     }
 
-    fn push(&mut self, lane: usize, axis: usize, boundary: Boundary, direction: DVec3, jump: Rgb) {
+    fn push(&mut self, lane: usize, boundary: Boundary, direction: DVec3, jump: Rgb) {
         let direction = direction.normalize();
         let n = lane_of(self.surface.n, lane).as_dvec3();
-        let along = |axis: usize| lane_of(self.pole(axis, 1.0), lane).as_dvec3().dot(direction);
+        let along = |axis: usize| lane_of(horizon_axis(self.surface, axis), lane).as_dvec3().dot(direction);
         let local = [along(0), along(1), n.dot(direction)];
-        self.out.push(BounceCrossing { boundary, lane: lane as u8, axis: axis as u8, local, jump });
+        self.out.push(BounceCrossing { boundary, lane: lane as u8, axis: self.lines.axis as u8, local, jump });
     }
 
-    /// Lines among reflecting surfaces, for one lane of the packet.
+    /// A line among reflecting surfaces, for one lane of the packet.
     fn surfaces(&mut self, triangles: &[u32; LANES], depth: u32, stream: &Stream, index: &[u32; LANES]) {
         let active = self.rays.active;
         let lanes = active.count_ones();
-        let chosen = (stream.pair(index, depth * super::tracer::PAIRS_PER_VERTEX + 3).1.to_array()[0] * lanes as f32) as u32;
-        let Some(lane) = (0..LANES).filter(|&l| active >> l & 1 == 1).nth(chosen.min(lanes.max(1) - 1) as usize) else {
-            return;
-        };
+        let choice = |salt: u32| stream.uniform(AXIS + (index[0].wrapping_mul(8).wrapping_add(depth)) * 16 + salt);
+        let chosen = ((choice(1) * lanes as f32) as u32).min(lanes.max(1) - 1);
+        let Some(lane) = (0..LANES).filter(|&l| active >> l & 1 == 1).nth(chosen as usize) else { return };
         let point = SurfacePoint::of_lane(self.surface, lane);
         let origin = point.x.as_dvec3();
-        let here = (lane_of(self.rays.direction, lane).as_dvec3(), triangles[lane]);
-        let mut found: Vec<(usize, Boundary, Arc, f64)> = Vec::new();
-        for axis in 0..2 {
-            for sign in [-1.0, 1.0] {
-                let pole = lane_of(self.pole(axis, sign), lane).as_dvec3();
-                self.counts.bounce_cell += 1;
-                let there = point.first_hit(self.tracer, pole, f32::INFINITY, self.counts);
-                let (a, b) = if sign > 0.0 { (here, (pole, there)) } else { ((pole, there), here) };
-                let arc = Arc { origin, a: a.0, b: b.0 };
-                match between(self.tracer.geometry, self.adjacency, &arc, a.1, b.1) {
-                    Between::Nothing => {}
-                    Between::Crease { boundary, s } => found.push((axis, boundary, arc, s)),
-                    Between::Silhouette(fold) | Between::Ridge(fold) =>
-                        found.push((axis, Boundary::Edge(fold.edge), arc, fold.s)),
-                    Between::Unresolved => self.counts.unresolved += 1,
-                }
+        let points: [(DVec3, u32); INNER_POINTS + 3] = std::array::from_fn(|i| {
+            let d = lane_of(self.lines.directions(i), lane).as_dvec3();
+            if i == self.lines.bounce[lane] {
+                return (d, triangles[lane]);
+            }
+            self.counts.bounce_cell += 1;
+            (d, point.first_hit(self.tracer, d, f32::INFINITY, &mut Counts::default()))
+        });
+        let mut found: Vec<(Boundary, Arc, f64, u32)> = Vec::new();
+        for (i, pair) in points.windows(2).enumerate() {
+            let arc = Arc { origin, a: pair[0].0, b: pair[1].0 };
+            let choice = choice(2 + i as u32) as f64;
+            match between(self.tracer.geometry, self.adjacency, &arc, pair[0].1, pair[1].1, choice) {
+                Between::Nothing => {}
+                Between::Crease { boundary, s } => found.push((boundary, arc, s, 1)),
+                Between::Silhouette(fold) => found.push((Boundary::Edge(fold.edge), arc, fold.s, 1)),
+                Between::Ridge { fold, count } => found.push((Boundary::Edge(fold.edge), arc, fold.s, count)),
+                Between::Unresolved => self.counts.unresolved += 1,
             }
         }
-        // Look on both sides of each silhouette: the jump is taken where it is, not at the ends of the line.
-        for group in found.chunks(LANES / 2) {
+        // Look on both sides of each silhouette: the jump is taken where it is, not at the ends of the cell.
+        for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
             let mut packet = 0;
-            for (i, (_, _, arc, s)) in group.iter().enumerate() {
+            for (i, (_, arc, s, _)) in group.iter().enumerate() {
                 for (k, side) in [-PROBE, PROBE].into_iter().enumerate() {
                     directions[2 * i + k] = arc.direction(s + side).normalize().as_vec3();
                     packet |= 1 << (2 * i + k);
@@ -187,12 +251,17 @@ impl Finder<'_> {
             let geometric = from_lanes(&[point.geometric; LANES]);
             let origin = leave(from_lanes(&[point.x; LANES]), geometric, directions);
             let rays = RayPacket { active: packet, origin, direction: directions, near: 0.0, far: f32::INFINITY };
-            let index = std::array::from_fn(|l| PROBE_INDEX + index[l]);
-            let (radiance, _) = self.tracer.reflected_radiance(rays, depth, stream, &index, self.counts);
-            for (i, (axis, boundary, arc, s)) in group.iter().enumerate() {
+            // Both sides share their random numbers.
+            let index = std::array::from_fn(|l| PROBE_INDEX + index[0] * 4 + (number * LANES / 2 + l / 2) as u32);
+            let radiance = self.tracer.radiance_along(rays, depth, stream, &index, self.counts);
+            for (i, (boundary, arc, s, count)) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l));
-                let jump = ((before - after) * lanes as f32).to_array();
-                self.push(lane, *axis, *boundary, arc.direction(*s), jump);
+                let jump = ((before - after) * (FAMILIES * (lanes * count) as f32)).to_array();
+                if jump.iter().all(|j| j.is_finite()) {
+                    self.push(lane, *boundary, arc.direction(*s), jump);
+                } else {
+                    self.counts.not_finite += 1;
+                }
             }
         }
     }

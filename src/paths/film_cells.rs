@@ -1,20 +1,30 @@
 //! What the camera sees: where the radiance jumps along the rows and columns of a tile's lattice.
 //!
 //! The same cells as for light (`super::light_cells`), on the film: between two neighbours of a lattice row the
-//! interval of film is shifted rigidly with the silhouette that lies in it, and what is left of the change of
-//! variables are the radiances at its two ends, L₋ − L₊, times the silhouette's speed. Rows give the speed's part along
-//! x, columns the part along y. The pixel filter multiplies the jump *where the silhouette is*: it is neither moved nor
-//! differentiated, so a box filter is as good as a smooth one, and no kernel blurs the image.
+//! interval of film is shifted rigidly with the silhouette that lies in it, and what the change of variables leaves is the
+//! jump of the radiance times the silhouette's speed. Rows give the speed's part along x, columns the part along y. The
+//! pixel filter multiplies the jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is
+//! as good as a smooth one, and no kernel blurs the image.
+//!
+//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
+//! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
 
 use super::lattice::Tile;
 use super::store::FilmCrossing;
-use super::tracer::Tracer;
+use super::tracer::{Counts, RayPacket, Tracer, from_lanes};
+use super::tile::to_rgb;
+use crate::lanes::LANES;
+use crate::paths::camera::splat;
 use crate::scene::Rgb;
-use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3};
 use crate::warp::resolve::{Between, between};
 use crate::warp::walk::{Arc, Fold};
+use glam::Vec3;
+
+/// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
+const PROBE_PIXELS: f64 = 1e-3;
+const PROBE_CELL: f64 = 0.1;
 
 /// What the lattice of a tile saw: row by row.
 pub struct LatticeImage {
@@ -22,20 +32,26 @@ pub struct LatticeImage {
     pub radiance: Vec<Rgb>,
 }
 
-/// Appends the crossings between all neighbours whose radiances differ and of which `moves(a, b)` says that the
-/// boundary between the two triangles can move.
+/// A crossing before its jump is known.
+struct Candidate {
+    boundary: Boundary,
+    axis: usize,
+    at: [f64; 2],
+    /// Number of crossings it stands for.
+    count: u32,
+}
+
+/// The crossings between all neighbours for which `moves(a, b)` says that the boundary between their triangles can move.
 pub fn find(
     tracer: &Tracer,
     adjacency: &Adjacency,
     tile: &Tile,
     image: &LatticeImage,
     moves: impl Fn(u32, u32) -> bool,
-    unresolved: &mut u64,
-    out: &mut Vec<FilmCrossing>,
-) {
+    counts: &mut Counts,
+) -> Vec<FilmCrossing> {
     let [columns, rows] = tile.points;
-    let origin = tracer.camera.origin.as_dvec3();
-    let per_pixel = tracer.camera.direction_per_pixel();
+    let mut candidates = Vec::new();
     for axis in 0..2 {
         let stride = if axis == 0 { 1 } else { columns };
         for row in 0..rows - axis {
@@ -43,39 +59,88 @@ pub fn find(
                 let inner = if axis == 0 { tile.is_inner(1, row) } else { tile.is_inner(0, column) };
                 let at = row * columns + column;
                 let (a, b) = (image.triangle[at], image.triangle[at + stride]);
-                let (before, after) = (image.radiance[at], image.radiance[at + stride]);
-                if !inner || a == b || before == after || !moves(a, b) {
-                    continue;
-                }
-                let start = [tile.position(0, column), tile.position(1, row)];
-                let mut end = start;
-                end[axis] += tile.step[axis];
-                let direction = |[u, v]: [f64; 2]| dvec3(tracer.camera.direction(u, v));
-                let arc = Arc { origin, a: direction(start), b: direction(end) };
-                let (boundary, s) = match between(tracer.geometry, adjacency, &arc, a, b) {
-                    Between::Nothing => continue,
-                    Between::Unresolved => {
-                        *unresolved += 1;
-                        continue;
-                    }
-                    Between::Crease { boundary, s } => (boundary, s),
-                    Between::Silhouette(fold) => (Boundary::Edge(fold.edge), fold.s),
-                    Between::Ridge(Fold { edge, along, s, .. }) => {
-                        (Boundary::Point { edge, along, line: per_pixel[1 - axis] }, s)
-                    }
-                };
-                let mut film = start;
-                film[axis] += s * tile.step[axis];
-                if tile.contains(film[0], film[1]) {
-                    let jump = std::array::from_fn(|c| before[c] - after[c]);
-                    out.push(FilmCrossing { boundary, axis: axis as u8, at: film, jump });
+                if inner && a != b && moves(a, b) {
+                    let choice = tile.stream.uniform(CHOICE + (axis * columns * rows + at) as u32) as f64;
+                    let cell = candidate(tracer, adjacency, tile, [column, row], axis, [a, b], choice, counts);
+                    candidates.extend(cell);
                 }
             }
         }
     }
+    probe(tracer, tile, &candidates, counts)
 }
 
-/// The mesh of a triangle, if there is one.
-pub fn mesh_of(tracer: &Tracer, triangle: u32) -> Option<usize> {
-    (triangle != NO_TRIANGLE).then(|| tracer.geometry.mesh_of_triangle[triangle as usize] as usize)
+/// Dimensions from here on choose among several edges in a cell.
+const CHOICE: u32 = 16;
+
+/// What lies in one cell.
+#[allow(clippy::too_many_arguments)]
+fn candidate(
+    tracer: &Tracer,
+    adjacency: &Adjacency,
+    tile: &Tile,
+    [column, row]: [usize; 2],
+    axis: usize,
+    [a, b]: [u32; 2],
+    choice: f64,
+    counts: &mut Counts,
+) -> Option<Candidate> {
+    let start = [tile.position(0, column), tile.position(1, row)];
+    let mut end = start;
+    end[axis] += tile.step[axis];
+    let direction = |[u, v]: [f64; 2]| dvec3(tracer.camera.direction(u, v));
+    let arc = Arc { origin: tracer.camera.origin.as_dvec3(), a: direction(start), b: direction(end) };
+    let (boundary, s, count) = match between(tracer.geometry, adjacency, &arc, a, b, choice) {
+        Between::Nothing => return None,
+        Between::Unresolved => {
+            counts.unresolved += 1;
+            return None;
+        }
+        Between::Crease { boundary, s } => (boundary, s, 1),
+        Between::Silhouette(fold) => (Boundary::Edge(fold.edge), fold.s, 1),
+        Between::Ridge { fold: Fold { edge, s, .. }, count } => (Boundary::Edge(edge), s, count),
+    };
+    let mut at = start;
+    at[axis] += s * tile.step[axis];
+    tile.contains(at[0], at[1]).then_some(Candidate { boundary, axis, at, count })
 }
+
+/// Looks on both sides of each candidate; those without a jump are dropped.
+fn probe(tracer: &Tracer, tile: &Tile, candidates: &[Candidate], counts: &mut Counts) -> Vec<FilmCrossing> {
+    let mut found = Vec::new();
+    for (number, group) in candidates.chunks(LANES / 2).enumerate() {
+        let mut directions = [Vec3::Z; LANES];
+        for (i, candidate) in group.iter().enumerate() {
+            let axis = candidate.axis;
+            let beside = PROBE_PIXELS.min(PROBE_CELL * tile.step[axis]);
+            for (k, side) in [-beside, beside].into_iter().enumerate() {
+                let mut at = candidate.at;
+                at[axis] += side;
+                directions[2 * i + k] = dvec3(tracer.camera.direction(at[0], at[1])).as_vec3();
+            }
+        }
+        let rays = RayPacket {
+            active: (1 << (2 * group.len())) - 1,
+            origin: splat(tracer.camera.origin),
+            direction: from_lanes(&directions),
+            near: tracer.camera.near_clip,
+            far: tracer.camera.far_clip,
+        };
+        let index = std::array::from_fn(|l| PROBE_INDEX + (number * LANES / 2 + l / 2) as u32);
+        let radiance = to_rgb(tracer.radiance_along(rays, 0, &tile.stream, &index, counts));
+        for (i, candidate) in group.iter().enumerate() {
+            let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
+            let jump: Rgb = std::array::from_fn(|c| (before[c] - after[c]) * candidate.count as f32);
+            if jump.iter().any(|j| !j.is_finite()) {
+                counts.not_finite += 1;
+            } else if jump != [0.0; 3] {
+                let Candidate { boundary, axis, at, .. } = *candidate;
+                found.push(FilmCrossing { boundary, axis: axis as u8, at, jump });
+            }
+        }
+    }
+    found
+}
+
+/// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.
+const PROBE_INDEX: u32 = 0x8000_0000;

@@ -60,7 +60,7 @@ pub fn follow_occluders(
             return None;
         }
         let arc = Arc { origin, a: direction(at), b: direction(to) };
-        let Walk::Fold(fold) = walk(tracer.geometry, adjacency, &arc, triangle, NO_TRIANGLE) else { return None };
+        let Walk::Fold(fold) = walk(tracer.geometry, adjacency, &arc, triangle, NO_TRIANGLE, 0.0) else { return None };
         let crossing = at + fold.s.max(0.0) * (to - at);
         at = crossing + PROBE * (to - from);
         let is_past_end = (to - at) * (to - from) <= 0.0;

@@ -70,9 +70,7 @@ impl TracedTile {
             }
         }
         if let Some(adjacency) = tracer.adjacency {
-            let mut found = std::mem::take(&mut store.film_crossings);
-            film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts.unresolved, &mut found);
-            store.film_crossings = found;
+            store.film_crossings = film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
             let found = [store.film_crossings.len(), store.light_crossings.len(), store.bounce_crossings.len()];
             counts.resolved += found.iter().sum::<usize>() as u64;
         }

@@ -44,7 +44,7 @@ pub struct Counts {
     pub light_cell: u64,
     /// Rays along the horizon and beside it: they only find silhouettes.
     pub bounce_cell: u64,
-    /// Rays that look on both sides of a silhouette.
+    /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
     /// Cells between whose ends a silhouette was found.
     pub resolved: u64,
@@ -52,6 +52,13 @@ pub struct Counts {
     pub unresolved: u64,
     /// Samples dropped because they were not finite.
     pub not_finite: u64,
+}
+
+impl Counts {
+    /// All rays.
+    pub fn rays(&self) -> u64 {
+        self.camera + self.shadow + self.bounce + self.light_cell + self.bounce_cell + self.probe
+    }
 }
 
 impl std::ops::AddAssign for Counts {
@@ -129,11 +136,7 @@ impl Tracer<'_> {
         let mut previous: Option<Surface> = None;
         for depth in first_depth.. {
             let triangle = self.intersect(&rays, coherence);
-            *match depth {
-                0 => &mut counts.camera,
-                _ if depth == first_depth => &mut counts.probe,
-                _ => &mut counts.bounce,
-            } += rays.active.count_ones() as u64;
+            *if depth == 0 { &mut counts.camera } else { &mut counts.bounce } += rays.active.count_ones() as u64;
             if let (Some(adjacency), Some(from)) = (self.adjacency, &previous) {
                 bounce_cells::find(self, adjacency, from, &rays, Seen::Triangles(&triangle), depth, stream, index, counts, store);
             }
@@ -513,20 +516,22 @@ impl Tracer<'_> {
         if self.scene.area_lights.len() == 1 { splat(of(0)) } else { from_lanes(&patch.map(of)) }
     }
 
-    /// The paths' radiance without emission at their first vertex, which is vertex `depth` of a longer path; for
-    /// looking beside silhouettes, so no silhouettes of its own are sought.
-    pub fn reflected_radiance(
+    /// Radiance along rays that lead to vertex `depth` of a path; without emission there, unless the camera sees it. For
+    /// looking beside silhouettes, so no silhouettes are sought.
+    pub fn radiance_along(
         &self,
         rays: RayPacket,
         depth: u32,
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
-    ) -> (V3<Lane>, [u32; LANES]) {
+    ) -> V3<Lane> {
         let plain = Tracer { adjacency: None, ..*self };
         let mut store = TileStore::default();
-        plain.trace_vertices(rays, depth, stream, index, counts, &mut store);
-        (plain.radiance(&store.vertices), store.vertices[0].triangle)
+        let mut probed = Counts::default();
+        plain.trace_vertices(rays, depth, stream, index, &mut probed, &mut store);
+        counts.probe += probed.rays();
+        plain.radiance(&store.vertices)
     }
 }
 

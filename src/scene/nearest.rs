@@ -30,15 +30,19 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         return None;
     }
     let lower = name.to_lowercase();
+    let distance = |known: &str| {
+        let known = known.to_lowercase();
+        // A beginning of a name, such as "diag" for "diagonal", is closer than its length says.
+        let abbreviates = lower.len() >= 3 && known.starts_with(&lower);
+        match edit_distance(&lower, &known) {
+            d if abbreviates => d.min(1),
+            d => d,
+        }
+    };
     known
         .into_iter()
         .filter(|k| k.chars().count() <= LONGEST_COMPARED_NAME_CHARS)
-        .min_by_key(|k| {
-            (
-                edit_distance(&lower, &k.to_lowercase()),
-                edit_distance(name, k),
-            )
-        })
+        .min_by_key(|k| (distance(k), edit_distance(name, k)))
 }
 
 /// `; the nearest known name is "…"`, or nothing.
@@ -79,6 +83,7 @@ mod tests {
     fn finds_the_nearest() {
         assert_eq!(nearest("sphre", ["cube", "sphere", "ply"]), Some("sphere"));
         assert_eq!(nearest("PLY", ["cube", "ply"]), Some("ply"));
+        assert_eq!(nearest("diag", ["x", "diagonal"]), Some("diagonal"));
         assert_eq!(nearest("x", []), None);
     }
 }

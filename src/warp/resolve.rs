@@ -16,9 +16,8 @@ pub enum Between {
     /// One connected surface, or nothing at all.
     Nothing,
     Silhouette(Fold),
-    /// An edge of a flat-shaded surface that both rays see, across which its shading jumps. Where several such edges
-    /// lie between the rays the sharpest stands for all: it must be followed as a point, whose velocity they share.
-    Ridge(Fold),
+    /// One of `count` edges of a flat-shaded surface that both rays see, across which its shading jumps.
+    Ridge { fold: Fold, count: u32 },
     /// Two surfaces that pass through each other, at parameter `s` of the arc.
     Crease { boundary: Boundary, s: f64 },
     /// There must be something, and it was not found.
@@ -30,10 +29,10 @@ impl Between {
         Between::Silhouette(seen_from_start(fold, from_end))
     }
 
-    fn ridge(geometry: &Geometry, triangle: u32, ridge: Option<Fold>, from_end: bool) -> Self {
+    fn ridge(geometry: &Geometry, triangle: u32, ridge: Option<(Fold, u32)>, from_end: bool) -> Self {
         let smooth = geometry.smooth[geometry.mesh_of_triangle[triangle as usize] as usize];
         match ridge {
-            Some(fold) if !smooth => Between::Ridge(seen_from_start(fold, from_end)),
+            Some((fold, count)) if !smooth => Between::Ridge { fold: seen_from_start(fold, from_end), count },
             _ => Between::Nothing,
         }
     }
@@ -45,15 +44,16 @@ fn seen_from_start(fold: Fold, from_end: bool) -> Fold {
 }
 
 /// What lies between two rays that both look for the nearest surface; [`NO_TRIANGLE`] for a ray that hit none.
-pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b: u32) -> Between {
+/// `choice` in [0, 1) picks among several edges.
+pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b: u32, choice: f64) -> Between {
     if a == b {
         return Between::Nothing;
     }
-    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, a, b));
+    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, a, b, choice));
     if let Some(Walk::Reached(ridge)) = from_a {
         return Between::ridge(geometry, a, ridge, false);
     }
-    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &arc.reversed(), b, a));
+    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &arc.reversed(), b, a, choice));
     match (from_a, from_b) {
         (_, Some(Walk::Reached(ridge))) => Between::ridge(geometry, b, ridge, true),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {

@@ -10,7 +10,7 @@
 //! vertices alone and are the same from both sides of an edge.
 
 use super::adjacency::Adjacency;
-use crate::trace::geometry::Geometry;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
 /// Triangles crossed before a walk is given up. An arc of the image that is longer than that in triangles
@@ -35,9 +35,9 @@ pub struct Fold {
 pub enum Walk {
     /// The silhouette was reached before the arc's end.
     Fold(Fold),
-    /// The triangle that was asked for was reached: both rays see one connected surface. With the sharpest edge
-    /// that was crossed, if there is any: across it the normals of a flat-shaded mesh jump, and the shading does.
-    Reached(Option<Fold>),
+    /// The triangle that was asked for was reached: both rays see one connected surface. With one of the edges that were
+    /// crossed at which the surface bends, and their number: there the normals of a flat-shaded mesh jump.
+    Reached(Option<(Fold, u32)>),
     /// The surface continues beyond the arc's end.
     Continues,
     /// Rounding or a degenerate triangle stopped the walk, or it was too long.
@@ -65,8 +65,8 @@ impl Arc {
 }
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
-/// `goal`.
-pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, goal: u32) -> Walk {
+/// `goal`. `choice` in [0, 1) picks among the edges that the walk crosses.
+pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, goal: u32, choice: f64) -> Walk {
     let normal = arc.a.cross(arc.b);
     let corners = |t: u32| geometry.triangles[t as usize];
     let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
@@ -78,7 +78,7 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
     let mut triangle = start;
     let mut facing = faces(start);
     let mut entered_by = None;
-    let mut sharpest: Option<(f64, Fold)> = None;
+    let mut ridges = Ridges { chosen: None, count: 0, choice };
     for _ in 0..MAX_STEPS {
         let vertices = corners(triangle);
         let points = vertices.map(position);
@@ -109,17 +109,37 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
         if faces(across.triangle) != facing {
             return Walk::Fold(fold);
         }
-        let bend = bend(points, corners(across.triangle).map(position));
-        if bend > FLAT && sharpest.is_none_or(|(most, _)| bend > most) {
-            sharpest = Some((bend, fold));
+        if goal != NO_TRIANGLE && bend(points, corners(across.triangle).map(position)) > FLAT {
+            ridges.meet(fold);
         }
         if across.triangle == goal {
-            return Walk::Reached(sharpest.map(|(_, fold)| fold));
+            return Walk::Reached(ridges.chosen.map(|fold| (fold, ridges.count)));
         }
         triangle = across.triangle;
         entered_by = Some(across.corner);
     }
     Walk::Lost
+}
+
+/// One edge out of a stream of unknown length, each with the same chance (a reservoir of one whose random number is
+/// stretched after each decision).
+struct Ridges {
+    chosen: Option<Fold>,
+    count: u32,
+    choice: f64,
+}
+
+impl Ridges {
+    fn meet(&mut self, fold: Fold) {
+        self.count += 1;
+        let chance = 1.0 / self.count as f64;
+        if self.choice < chance {
+            self.chosen = Some(fold);
+            self.choice /= chance;
+        } else {
+            self.choice = (self.choice - chance) / (1.0 - chance);
+        }
+    }
 }
 
 /// The squared sine of the angle between the planes of two triangles; below this they are one plane.

@@ -53,8 +53,8 @@ struct ObjReader {
 /// Which vertex of the mesh stands for a (position, normal) of the file.
 #[derive(Default)]
 struct Corners {
-    /// The first normal that each position was used with: that pair keeps the position's number.
-    first_normal: HashMap<u32, Option<u32>>,
+    /// By position, if a face used it: the normal it was first used with. That pair keeps the position's number.
+    first_normal: Vec<Option<Option<u32>>>,
     /// The other pairs, by the order they were met in.
     others: HashMap<(u32, Option<u32>), u32>,
     others_in_order: Vec<(u32, Option<u32>)>,
@@ -65,7 +65,11 @@ const OTHERS_START: u32 = 1 << 31;
 
 impl Corners {
     fn index(&mut self, position: u32, normal: Option<u32>) -> u32 {
-        if *self.first_normal.entry(position).or_insert(normal) == normal {
+        let at = position as usize;
+        if self.first_normal.len() <= at {
+            self.first_normal.resize(at + 1, None);
+        }
+        if *self.first_normal[at].get_or_insert(normal) == normal {
             return position;
         }
         *self.others.entry((position, normal)).or_insert_with(|| {
@@ -105,6 +109,9 @@ impl ObjReader {
 
     /// `7`, `7/1`, `7//3` or `7/1/3`; negative numbers count from the latest line back.
     fn corner(&mut self, word: &str) -> Result<u32, String> {
+        if word.matches('/').count() > 2 {
+            return Err(format!("\"{}\" has more than three indices", shown(word)));
+        }
         let mut parts = word.split('/');
         let position = index(parts.next(), self.positions.len(), "vertex", word)?;
         let position = position.ok_or_else(|| format!("\"{}\" names no vertex", shown(word)))?;
@@ -115,9 +122,6 @@ impl ObjReader {
             }
             _ => None,
         };
-        if parts.next().is_some() {
-            return Err(format!("\"{}\" has more than three indices", shown(word)));
-        }
         Ok(self.corners.index(position, normal))
     }
 
@@ -125,15 +129,16 @@ impl ObjReader {
         if self.triangles.is_empty() {
             return Err(MeshError::new("", "the mesh has no faces"));
         }
-        let uses_normals = self.corners.first_normal.values().any(Option::is_some)
-            || !self.corners.others.is_empty();
+        let first_normals = &self.corners.first_normal;
+        let uses_normals =
+            first_normals.iter().flatten().any(Option::is_some) || !self.corners.others.is_empty();
         let mut positions = self.positions;
         let own = positions.len() as u32;
         let mut normals = uses_normals.then(|| vec![Vec3::ZERO; positions.len()]);
         if let Some(normals) = &mut normals {
-            for (&vertex, &normal) in &self.corners.first_normal {
-                if let Some(normal) = normal {
-                    normals[vertex as usize] = self.normals[normal as usize];
+            for (slot, first) in normals.iter_mut().zip(first_normals) {
+                if let Some(Some(normal)) = first {
+                    *slot = self.normals[*normal as usize];
                 }
             }
             for &(vertex, normal) in &self.corners.others_in_order {
