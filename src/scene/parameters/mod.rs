@@ -206,4 +206,3 @@ fn not_differentiable(key: &str) -> SceneError {
         shown(key)
     ))
 }
-
