@@ -64,10 +64,18 @@ pub fn find(
                 let at = row * columns + column;
                 let (a, b) = (image.triangle[at], image.triangle[at + stride]);
                 if inner && a != b && moves(a, b) {
-                    let choice = tile
-                        .stream
-                        .uniform(CHOICE + (axis * columns * rows + at) as u32)
-                        as f64;
+                    let dimension = CHOICE + (axis * columns * rows + at) as u32;
+                    let mut choice = tile.stream.uniform(dimension) as f64;
+                    // Equal radiances mostly mean that there is no jump, unless both are in shadow.
+                    let mut weight = 1;
+                    let radiance = image.radiance[at];
+                    if radiance == image.radiance[at + stride] && radiance != [0.0; 3] {
+                        weight = UNLIKELY;
+                        choice *= UNLIKELY as f64;
+                        if choice >= 1.0 {
+                            continue;
+                        }
+                    }
                     let start = [tile.position(0, column), tile.position(1, row)];
                     let cell = Cell {
                         tracer,
@@ -77,7 +85,12 @@ pub fn find(
                         axis,
                     };
                     match cell.crossings([a, b], choice) {
-                        Ok(found) => candidates.extend(found.into_iter().flatten()),
+                        Ok(found) => {
+                            candidates.extend(found.into_iter().flatten().map(|c| Candidate {
+                                count: c.count * weight,
+                                ..c
+                            }))
+                        }
                         Err(Unresolved) => counts.unresolved += 1,
                     }
                 }
@@ -86,6 +99,9 @@ pub fn find(
     }
     probe(tracer, tile, &candidates, counts)
 }
+
+/// Of the cells whose ends look alike one in this many is searched, and stands for all.
+const UNLIKELY: u32 = 8;
 
 /// Dimensions from here on choose among several edges in a cell.
 const CHOICE: u32 = 16;
