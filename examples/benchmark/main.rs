@@ -90,7 +90,7 @@ impl Tables {
         println!("{} runs a row; error, spread and bias relative to the RMS of the reference.\n", options.runs);
         let forward = "scene | filter | spp | s | error | spread | bias ± reference's | projection | 1/(error²·s) | Mrays | Mrays/s | MB";
         table("Forward: the gradient image", forward, &self.forward);
-        let z = "χ²/N | expected | \\|z\\| > 4 | expected | compared | certain differences | stated se";
+        let z = "χ²/N | expected | \\|z\\| > 4 | expected | compared | RMS difference of the quiet rest | stated se / spread";
         table("Agreement, number by number", &format!("scene | filter | spp | {z}"), &self.agreement);
         let interior = format!("scene | filter | spp | error | bias | projection | {z}");
         table("What ignoring visibility gives (`--method interior`)", &interior, &self.interior);
