@@ -138,13 +138,10 @@ fn transpose(
         .map(|(parameter, _)| parameter.clone())
         .collect();
     let objective = Objective::Adjoint(&adjoint);
-    let settings = Settings {
-        standard_error: false,
-        ..settings.clone()
-    };
+    // With the same settings, to the letter: without standard errors the samples would be grouped differently.
     let done = session.trace(
         "backward",
-        &settings,
+        settings,
         |scene, settings, progress| methods::backward(scene, settings, &keys, &objective, progress),
         |backward| &backward.statistics,
     )?;
