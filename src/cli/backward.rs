@@ -29,7 +29,7 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
         !arguments.no_stderr,
     )?;
     let keys: Vec<&str> = arguments.parameters.iter().map(String::as_str).collect();
-    let parameters = direction::find(&session.scene, &keys)?;
+    let parameters = direction::find(&session.scene, &keys, session.settings.sensor)?;
     let image = match (&arguments.adjoint, &arguments.target) {
         (Some(file), _) | (None, Some(file)) => read_image(file, session.resolution())?,
         (None, None) => return Err(Failure::Usage("give --adjoint or --target".into())),

@@ -1,44 +1,27 @@
 //! `warpath check`: forward, backward and finite differences against each other.
 
 use super::arguments::CheckArguments;
-use super::comparison::{Comparison, Estimate, z_scores};
+use super::comparison::{Comparison, z_scores};
 use super::direction::{self, Direction};
 use super::exit::Failure;
+use super::replicates::Replicates;
 use super::session::{self, Session};
+use super::verdict::{SIGNIFICANT, Transposition, Verdict, judge};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
 use crate::scene::parameters::{self, Parameter};
-use serde::Serialize;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 
-/// Forward and reverse mode compute one number from the same samples: only rounding may part them,
-/// relative to the sum of what was added up.
-const ROUNDING: f64 = 1e-4;
-/// More than this many standard errors is significant.
-const SIGNIFICANT: f64 = 4.0;
-/// What per-pixel statistics may reach while the images agree. Error bars from few groups have heavier
-/// tails than a normal distribution's.
-const MOST_CHI2: f64 = 1.5;
-const MOST_BEYOND_4: f64 = 0.01;
-/// An error bar of the bias above this lets almost anything pass, and the user should know.
-const COARSE: f64 = 0.1;
-/// Finite differences with the very random numbers under test would share their noise.
-const REFERENCE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// Forward against reverse mode.
-#[derive(Clone, Debug, Serialize)]
-struct Transposition {
-    /// ⟨dI/dθ·v, w⟩
-    forward: f64,
-    /// ⟨v, Jᵀw⟩
-    backward: f64,
-    /// The sums of the absolute values of what either adds up, the larger of the two.
-    magnitude: f64,
-    relative_difference: f64,
-    agrees: bool,
-}
+/// Independent runs of either side: a few groups of samples in one run are too few to trust error bars from.
+const LEAST_RUNS: usize = 8;
+/// As long as a bias as large as the tolerance could not be told from noise, the noisier side's runs are
+/// doubled, up to this many.
+const MOST_RUNS: usize = 32;
+/// Parts the seeds of the runs; finite differences with the random numbers under test would share their noise.
+const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+const FIRST_REFERENCE_SEED: usize = 1 << 20;
 
 /// Runs the three and compares them.
 pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure> {
@@ -49,80 +32,134 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         ));
     }
     let mut session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
-    let direction = direction::resolve(&session.scene, &arguments.parameters)?;
     let settings = session.settings.clone();
-
-    // Each image is written as soon as it is there: an interrupt keeps what is finished.
-    let tested = forward(&mut session, "forward", &settings, &direction)?;
-    session.write("forward.exr", |path| exr::write(path, &tested.gradient))?;
-    let transposition = transpose(&mut session, &settings, &direction, &tested.gradient)?;
-    let reference_settings = Settings {
-        method: Method::Fd,
-        seed: settings.seed ^ REFERENCE_SEED,
-        ..settings
-    };
-    let reference = forward(&mut session, "fd", &reference_settings, &direction)?;
-    session.write("fd.exr", |path| exr::write(path, &reference.gradient))?;
-
-    let (tested, reference) = (estimate(&tested)?, estimate(&reference)?);
-    write_pictures(&mut session, tested, reference)?;
-    let comparison = Comparison::of(tested, reference);
-    let complaints = complaints(&transposition, &comparison, arguments.tolerance);
-    if !comparison.reference_is_significant {
-        session.warn("the finite differences do not stand out of their noise: raise --spp".into());
-    } else if SIGNIFICANT * comparison.relative_bias_se > COARSE {
-        let seen = 100.0 * SIGNIFICANT * comparison.relative_bias_se;
-        session.warn(format!(
-            "only a bias above {seen:.0} % could be seen: raise --spp"
+    let direction =
+        direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;
+    if settings.spp < 2 {
+        return Err(Failure::Input(
+            "with one sample a pixel there are no standard errors to check against: raise --spp".into(),
         ));
     }
-    let verdict = json!({
-        "agrees": complaints.is_empty(),
-        "complaints": complaints,
-        "tolerance": arguments.tolerance,
+    let mut tested = Replicates::default();
+    let first = run_tested(&mut session, &settings, &direction, &mut tested)?;
+    let transposition = transpose(&mut session, &settings, &direction, &first.gradient)?;
+    let mut reference = Replicates::default();
+    let (mut tested_runs, mut reference_runs) = (LEAST_RUNS, LEAST_RUNS);
+    let comparison = loop {
+        while tested.runs() < tested_runs {
+            run_tested(&mut session, &settings, &direction, &mut tested)?;
+        }
+        while reference.runs() < reference_runs {
+            run_reference(&mut session, &settings, &direction, &mut reference)?;
+        }
+        let comparison = Comparison::of(&tested, &reference);
+        let blurred = SIGNIFICANT * comparison.relative_bias_se > arguments.tolerance;
+        if !blurred {
+            break comparison;
+        }
+        let of_reference = comparison.reference_noise_share > 0.5;
+        match of_reference {
+            true if reference_runs < MOST_RUNS => reference_runs *= 2,
+            false if tested_runs < MOST_RUNS => tested_runs *= 2,
+            _ => break comparison,
+        }
+    };
+    write_images(&mut session, &tested, &reference)?;
+    let moves = direction.iter().any(|(parameter, _)| parameter.moves_visibility);
+    let verdict = judge(
+        method.name(),
+        moves && method == Method::Interior,
+        &transposition,
+        &comparison,
+        arguments.tolerance,
+    );
+    conclude(session, &verdict, &transposition, &comparison, arguments.tolerance)
+}
+
+/// Writes and prints what was found.
+fn conclude(
+    mut session: Session,
+    verdict: &Verdict,
+    transposition: &Transposition,
+    comparison: &Comparison,
+    tolerance: f64,
+) -> Result<(), Failure> {
+    for doubt in &verdict.doubts {
+        session.warn(doubt.clone());
+    }
+    let found = json!({
+        "verdict": verdict,
+        "tolerance": tolerance,
         "forward_against_backward": transposition,
         "forward_against_fd": comparison,
     });
-    let text = format!("{verdict:#}\n");
+    let text = format!("{found:#}\n");
     session.write("check.json", |path| {
         atomic::write(path, |file| file.write_all(text.as_bytes()))
     })?;
-    session.report.results.insert("check".into(), verdict);
+    session.report.results.insert("check".into(), found);
     if !session.prints_json() {
-        print(&transposition, &comparison, complaints.is_empty())?;
+        print(transposition, comparison, verdict)?;
     }
     session.close()?;
-    if complaints.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::Disagreement(complaints.join("\n")))
+    match verdict.agrees {
+        true => Ok(()),
+        false => Err(Failure::Disagreement(verdict.complaints.join("\n"))),
     }
 }
 
-fn forward(
+fn run_tested(
+    session: &mut Session,
+    settings: &Settings,
+    direction: &Direction,
+    runs: &mut Replicates,
+) -> Result<ForwardGradient, Failure> {
+    let settings = Settings {
+        seed: nth_seed(settings.seed, runs.runs()),
+        ..settings.clone()
+    };
+    run_forward(session, "forward", &settings, direction, runs)
+}
+
+fn run_reference(
+    session: &mut Session,
+    settings: &Settings,
+    direction: &Direction,
+    runs: &mut Replicates,
+) -> Result<(), Failure> {
+    let settings = Settings {
+        method: Method::Fd,
+        seed: nth_seed(settings.seed, FIRST_REFERENCE_SEED + runs.runs()),
+        ..settings.clone()
+    };
+    run_forward(session, "fd", &settings, direction, runs).map(drop)
+}
+
+fn run_forward(
     session: &mut Session,
     stage: &'static str,
     settings: &Settings,
     direction: &Direction,
+    runs: &mut Replicates,
 ) -> Result<ForwardGradient, Failure> {
-    session.trace(
+    let forward = session.trace(
         stage,
         settings,
         |scene, settings, progress| methods::forward(scene, settings, direction, progress),
         |forward| &forward.statistics,
-    )
-}
-
-fn estimate(forward: &ForwardGradient) -> Result<Estimate<'_>, Failure> {
+    )?;
     let stderr = forward.stderr.as_ref().ok_or_else(|| {
         Failure::Input(
             "with so few samples there are no standard errors to check against: raise --spp".into(),
         )
     })?;
-    Ok(Estimate {
-        value: &forward.gradient,
-        stderr,
-    })
+    runs.add(&forward.gradient, stderr);
+    Ok(forward)
+}
+
+/// The first is the user's own.
+fn nth_seed(seed: u64, n: usize) -> u64 {
+    seed.wrapping_add((n as u64).wrapping_mul(SEED_STEP))
 }
 
 /// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number.
@@ -138,56 +175,32 @@ fn transpose(
         .map(|(parameter, _)| parameter.clone())
         .collect();
     let objective = Objective::Adjoint(&adjoint);
-    // With the same settings, to the letter: without standard errors the samples would be grouped differently.
     let done = session.trace(
         "backward",
         settings,
         |scene, settings, progress| methods::backward(scene, settings, &keys, &objective, progress),
         |backward| &backward.statistics,
     )?;
-    let numbers = |image: &Image| {
-        image
-            .pixels
-            .iter()
-            .flatten()
-            .map(|v| *v as f64)
-            .collect::<Vec<_>>()
-    };
-    let (forward, forward_size) = inner(&numbers(gradient), &numbers(&adjoint));
-    let (mut backward, mut backward_size) = (0.0, 0.0);
+    let forward = inner(gradient.pixels.as_flattened(), adjoint.pixels.as_flattened());
+    let mut backward = (0.0, 0.0);
     for (parameter, tangent) in direction {
         let reduced = parameters::reduce(&session.scene, parameter, &done.gradient);
-        let widen = |values: &[f32]| values.iter().map(|v| *v as f64).collect::<Vec<_>>();
-        let (sum, size) = inner(&widen(&reduced), &widen(tangent));
-        backward += sum;
-        backward_size += size;
+        let (sum, size) = inner(&reduced, tangent);
+        backward = (backward.0 + sum, backward.1 + size);
     }
-    let magnitude = forward_size.max(backward_size);
-    let relative_difference = if magnitude > 0.0 {
-        (forward - backward).abs() / magnitude
-    } else {
-        0.0
-    };
-    Ok(Transposition {
-        forward,
-        backward,
-        magnitude,
-        relative_difference,
-        agrees: relative_difference <= ROUNDING,
-    })
+    Ok(Transposition::new(forward, backward))
 }
 
 /// The sum of the products, and of their absolute values.
-fn inner(a: &[f64], b: &[f64]) -> (f64, f64) {
-    let products = || a.iter().zip(b).map(|(a, b)| a * b);
+fn inner(a: &[f32], b: &[f32]) -> (f64, f64) {
+    let products = || a.iter().zip(b).map(|(a, b)| *a as f64 * *b as f64);
     (products().sum(), products().map(f64::abs).sum())
 }
 
 /// An adjoint image with no symmetry by which mistakes could cancel: a few slow waves per channel.
 fn smooth_image(width: usize, height: usize, seed: u64) -> Image {
     let phase = |n: u64| {
-        let mixed =
-            (seed ^ (n + 1).wrapping_mul(REFERENCE_SEED)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (seed ^ (n + 1).wrapping_mul(SEED_STEP)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         (mixed >> 40) as f64 / (1u64 << 24) as f64 * std::f64::consts::TAU
     };
     let wave = |u: f64, v: f64, channel: u64| {
@@ -213,63 +226,20 @@ fn smooth_image(width: usize, height: usize, seed: u64) -> Image {
     }
 }
 
-/// What is wrong, in sentences with numbers; empty if all is well.
-fn complaints(transposition: &Transposition, c: &Comparison, tolerance: f64) -> Vec<String> {
-    let mut complaints = Vec::new();
-    if !transposition.agrees {
-        complaints.push(format!(
-            "forward and backward disagree: {:.7e} against {:.7e}, {:.1e} of the magnitude where {ROUNDING:.0e} is rounding",
-            transposition.forward, transposition.backward, transposition.relative_difference,
-        ));
-    }
-    if c.certain_differences > 0 {
-        complaints.push(format!(
-            "forward and fd disagree in {} numbers that neither is uncertain of",
-            c.certain_differences
-        ));
-    }
-    if c.relative_bias.abs() > tolerance && c.relative_bias.abs() > SIGNIFICANT * c.relative_bias_se
-    {
-        complaints.push(format!(
-            "forward is off by {:+.1} % ± {:.1} % along fd's image",
-            100.0 * c.relative_bias,
-            100.0 * c.relative_bias_se
-        ));
-    }
-    let significant = c.chi2_per_number > MOST_CHI2 || c.share_beyond_4 > MOST_BEYOND_4;
-    // Without a signal nothing is relative to it, and what is significant is all there is to say.
-    if significant && (c.relative_excess > tolerance || !c.reference_is_significant) {
-        complaints.push(format!(
-            "forward and fd disagree pixel by pixel: chi²/N {:.2}, {:.2} % beyond 4 standard errors, \
-             the largest z {:.1} at x {}, y {}; {:.1} % of fd's RMS is not explained by noise",
-            c.chi2_per_number,
-            100.0 * c.share_beyond_4,
-            c.largest_z,
-            c.largest_z_at[0],
-            c.largest_z_at[1],
-            100.0 * c.relative_excess
-        ));
-    }
-    complaints
-}
-
 /// One scale for the two gradients, so that equal colours are equal numbers.
-fn write_pictures(
-    session: &mut Session,
-    tested: Estimate,
-    reference: Estimate,
-) -> Result<(), Failure> {
-    let scale = chart::robust_scale(reference.value).max(chart::robust_scale(tested.value));
+fn write_images(session: &mut Session, tested: &Replicates, reference: &Replicates) -> Result<(), Failure> {
     let z = z_scores(tested, reference);
-    session.write("forward.png", |path| {
-        chart::write(path, tested.value, scale)
-    })?;
-    session.write("fd.png", |path| chart::write(path, reference.value, scale))?;
+    let (tested, reference) = (tested.mean(), reference.mean());
+    let scale = chart::robust_scale(&reference).max(chart::robust_scale(&tested));
+    session.write("forward.exr", |path| exr::write(path, &tested))?;
+    session.write("forward.png", |path| chart::write(path, &tested, scale))?;
+    session.write("fd.exr", |path| exr::write(path, &reference))?;
+    session.write("fd.png", |path| chart::write(path, &reference, scale))?;
     session.write("z.exr", |path| exr::write(path, &z))?;
     session.write("z.png", |path| chart::write(path, &z, SIGNIFICANT as f32))
 }
 
-fn print(t: &Transposition, c: &Comparison, agrees: bool) -> Result<(), Failure> {
+fn print(t: &Transposition, c: &Comparison, verdict: &Verdict) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
@@ -278,21 +248,23 @@ fn print(t: &Transposition, c: &Comparison, agrees: bool) -> Result<(), Failure>
     )?;
     writeln!(
         out,
-        "forward against fd:       bias {:+.2} % ± {:.2} %, chi²/N {:.3}, beyond 4 se {:.3} %, unexplained {:.2} %",
+        "forward against fd:       bias {:+.2} % ± {:.2} %; unexplained over blocks {:.2} % ({:.1} se), in pixels \
+         {:.2} % ({:.1} se); chi²/N {:.2}, beyond 4 se {:.2} %; runs {} and {}",
         100.0 * c.relative_bias,
         100.0 * c.relative_bias_se,
+        100.0 * c.blocks.relative_rms,
+        c.blocks.significance,
+        100.0 * c.pixels.relative_rms,
+        c.pixels.significance,
         c.chi2_per_number,
         100.0 * c.share_beyond_4,
-        100.0 * c.relative_excess
+        c.tested_runs,
+        c.reference_runs,
     )?;
-    writeln!(
-        out,
-        "{}",
-        if agrees {
-            "they agree"
-        } else {
-            "they disagree"
-        }
-    )?;
+    match verdict.agrees {
+        true => writeln!(out, "{}", verdict.summary)?,
+        // The error on stderr says why.
+        false => writeln!(out, "they disagree")?,
+    }
     Ok(out.flush()?)
 }

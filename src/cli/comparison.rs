@@ -1,28 +1,29 @@
 //! Statistics of gradient images: how far two estimates are from each other, in their own error bars.
 
+use super::replicates::Replicates;
 use crate::methods::Image;
 use serde::Serialize;
 
-/// Side of the squares of pixels within which errors may be correlated: a sample is splatted over the
-/// reconstruction filter, whose widest here reaches a few pixels.
-const BLOCK: usize = 8;
-
-/// Differences below this share of the largest number are rounding.
+/// Differences below this share of the largest number are rounding, which has no error bar.
 const ROUNDING: f64 = 1e-4;
-
-/// A gradient image with its standard errors.
-#[derive(Clone, Copy, Debug)]
-pub struct Estimate<'a> {
-    pub value: &'a Image,
-    pub stderr: &'a Image,
-}
 
 /// Two independent estimates of one gradient image, compared.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
+    pub tested_runs: usize,
+    pub reference_runs: usize,
+    /// ⟨value − reference, reference⟩ / ⟨reference, reference⟩, freed of the reference's own noise.
+    pub relative_bias: f64,
+    pub relative_bias_se: f64,
+    /// How much of the variance behind `relative_bias_se` is the reference's.
+    pub reference_noise_share: f64,
+    /// The means of blocks of pixels, against each other.
+    pub blocks: Excess,
+    /// The pixels, against each other.
+    pub pixels: Excess,
     /// Numbers (pixels × channels) where either estimate has anything to say.
     pub compared: usize,
-    /// Σz²/N, 1 if they agree and their error bars are right.
+    /// Σz²/N: 1 if they agree, the error bars are right and the noise is normal; sparse noise is not.
     pub chi2_per_number: f64,
     /// The share of numbers more than four standard errors apart; 0.00006 for a normal distribution.
     pub share_beyond_4: f64,
@@ -31,73 +32,85 @@ pub struct Comparison {
     pub largest_z_at: [usize; 3],
     /// Numbers that differ although both error bars are zero.
     pub certain_differences: usize,
-    /// ⟨value − reference, reference⟩ / ⟨reference, reference⟩, freed of the reference's own noise.
-    pub relative_bias: f64,
-    pub relative_bias_se: f64,
-    /// RMS of the difference that error bars do not explain, relative to the reference's RMS.
-    pub relative_excess: f64,
     pub reference_rms: f64,
     /// Whether the reference stands out of its own noise at all.
     pub reference_is_significant: bool,
 }
 
+/// Difference beyond noise: Σ(difference² − variance), which is zero on average if the two agree.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Excess {
+    /// Its root, relative to the reference's RMS.
+    pub relative_rms: f64,
+    /// In standard errors.
+    pub significance: f64,
+}
+
 impl Comparison {
-    /// Compares `tested` with `reference`, images of one size.
-    pub fn of(tested: Estimate, reference: Estimate) -> Self {
-        let (width, channels) = (tested.value.width, 3);
+    /// Compares `tested` with `reference`, of one size.
+    pub fn of(tested: &Replicates, reference: &Replicates) -> Self {
         let mut sums = Sums::default();
+        let mut clusters = vec![[0.0; 3]; tested.block_count()];
         let mut largest = (0.0, 0);
-        let mut certain_differences = 0;
-        // Rounding in a renderer, and all the more in a difference quotient, has no error bar.
-        let rounding =
-            ROUNDING * largest_magnitude(tested.value).max(largest_magnitude(reference.value));
-        for (at, [a, sa, b, sb]) in quadruples(tested, reference).enumerate() {
+        let rounding = ROUNDING * largest_magnitude(tested).max(largest_magnitude(reference));
+        for (at, ((a, sa), (b, sb))) in tested.numbers().zip(reference.numbers()).enumerate() {
             let variance = sa * sa + sb * sb;
             if variance == 0.0 && a == 0.0 && b == 0.0 {
                 continue;
             }
             sums.compared += 1;
+            let beyond_rounding = (a - b).abs() > rounding;
             if variance == 0.0 {
-                certain_differences += usize::from((a - b).abs() > rounding);
+                sums.certain += usize::from(beyond_rounding);
             } else {
                 let z = (a - b) / variance.sqrt();
                 sums.chi2 += z * z;
-                sums.beyond += usize::from(z.abs() > 4.0);
-                if z.abs() > largest.0 {
+                sums.beyond += usize::from(z.abs() > 4.0 && beyond_rounding);
+                if z.abs() > largest.0 && beyond_rounding {
                     largest = (z.abs(), at);
                 }
             }
             sums.ab += a * b;
             sums.bb += b * b;
             sums.noise_b += sb * sb;
-            sums.difference += (a - b).powi(2);
-            sums.noise += variance;
+            sums.excess += shrunk(a - b, rounding).powi(2) - variance;
             sums.noise_on_b += variance * b * b;
+            sums.reference_noise_on_b += sb * sb * b * b;
+            let cluster = &mut clusters[tested.block_of(at)];
+            cluster[0] += a * b;
+            cluster[1] += b * b - sb * sb;
+            cluster[2] += variance;
         }
         let signal = (sums.bb - sums.noise_b).max(0.0);
         let significant = signal > 0.1 * sums.bb;
         // Without a signal nothing is relative to it.
         let scale = if significant { signal } else { f64::NAN };
-        let bias = (sums.ab - sums.bb + sums.noise_b) / scale;
-        let clustered = clustered_variance(tested, reference, bias);
+        let slope = sums.ab / scale;
+        // The scatter over blocks holds although neighbouring pixels share samples; the bias itself is out.
+        let scatter: f64 = clusters.iter().map(|[ab, bb, _]| (ab - slope * bb).powi(2)).sum();
+        let within: f64 = clusters.iter().map(|c| 2.0 * c[2] * c[2]).sum();
         let count = sums.compared.max(1) as f64;
-        let pixel = largest.1 / channels;
+        let pixel = largest.1 / 3;
         Self {
+            tested_runs: tested.runs(),
+            reference_runs: reference.runs(),
+            relative_bias: slope - 1.0,
+            relative_bias_se: scatter.max(sums.noise_on_b).sqrt() / scale,
+            reference_noise_share: sums.reference_noise_on_b / sums.noise_on_b.max(f64::MIN_POSITIVE),
+            blocks: block_excess(tested, reference, rounding, significant),
+            // As if all the noise of a block were one number's: the filter correlates neighbours.
+            pixels: Excess::new(sums.excess, within, scale),
             compared: sums.compared,
             chi2_per_number: sums.chi2 / count,
             share_beyond_4: sums.beyond as f64 / count,
             largest_z: largest.0,
             largest_z_at: [
-                pixel % width.max(1),
-                pixel / width.max(1),
-                largest.1 % channels,
+                pixel % tested.width().max(1),
+                pixel / tested.width().max(1),
+                largest.1 % 3,
             ],
-            certain_differences,
-            relative_bias: bias,
-            relative_bias_se: clustered.max(sums.noise_on_b).sqrt() / scale,
-            relative_excess: ((sums.difference - sums.noise).max(0.0) / scale).sqrt(),
-            reference_rms: (signal / tested.value.pixels.len().max(1) as f64 / channels as f64)
-                .sqrt(),
+            certain_differences: sums.certain,
+            reference_rms: (signal / tested.numbers().count().max(1) as f64).sqrt(),
             reference_is_significant: significant,
         }
     }
@@ -107,66 +120,61 @@ impl Comparison {
 struct Sums {
     compared: usize,
     beyond: usize,
+    certain: usize,
     chi2: f64,
     ab: f64,
     bb: f64,
     noise_b: f64,
-    difference: f64,
-    noise: f64,
+    excess: f64,
     noise_on_b: f64,
+    reference_noise_on_b: f64,
 }
 
-/// Tested value and error, reference value and error, number by number.
-fn quadruples<'a>(
-    tested: Estimate<'a>,
-    reference: Estimate<'a>,
-) -> impl Iterator<Item = [f64; 4]> + 'a {
-    let flat = |image: &'a Image| image.pixels.iter().flatten().map(|v| *v as f64);
-    let values = flat(tested.value).zip(flat(tested.stderr));
-    values
-        .zip(flat(reference.value).zip(flat(reference.stderr)))
-        .map(|((a, sa), (b, sb))| [a, sa, b, sb])
-}
-
-/// The variance of ⟨tested − reference, reference⟩ from its scatter over blocks, which holds although
-/// neighbouring pixels share samples; the bias itself is taken out first.
-fn clustered_variance(tested: Estimate, reference: Estimate, bias: f64) -> f64 {
-    let width = tested.value.width;
-    let columns = width.div_ceil(BLOCK).max(1);
-    let mut blocks = vec![0.0; columns * tested.value.height.div_ceil(BLOCK).max(1)];
-    let bias = if bias.is_finite() { bias } else { 0.0 };
-    for (at, [a, _, b, sb]) in quadruples(tested, reference).enumerate() {
-        let (x, y) = (at / 3 % width, at / 3 / width);
-        blocks[y / BLOCK * columns + x / BLOCK] +=
-            (a - (1.0 + bias) * b) * b + (1.0 + bias) * sb * sb;
+impl Excess {
+    fn new(excess: f64, its_variance: f64, scale: f64) -> Self {
+        let deviation = its_variance.sqrt();
+        Self {
+            relative_rms: (excess.max(0.0) / scale).sqrt(),
+            significance: match deviation > 0.0 {
+                true => excess / deviation,
+                false if excess > 0.0 => f64::MAX,
+                false => 0.0,
+            },
+        }
     }
-    blocks.iter().map(|block| block * block).sum()
+}
+
+fn block_excess(tested: &Replicates, reference: &Replicates, rounding: f64, significant: bool) -> Excess {
+    let (mut excess, mut its_variance, mut signal) = (0.0, 0.0, 0.0);
+    for ((a, sa), (b, sb)) in tested.block_means().zip(reference.block_means()) {
+        let variance = sa * sa + sb * sb;
+        excess += shrunk(a - b, rounding).powi(2) - variance;
+        // 2·variance² for a normal distribution; an estimated variance's square is too large on average, and
+        // the more so the fewer the runs: that errs on the side of agreement.
+        its_variance += 2.0 * variance * variance;
+        signal += b * b - sb * sb;
+    }
+    let scale = if significant && signal > 0.0 { signal } else { f64::NAN };
+    Excess::new(excess, its_variance, scale)
+}
+
+/// A difference without the part that rounding may have in it.
+fn shrunk(difference: f64, rounding: f64) -> f64 {
+    (difference.abs() - rounding).max(0.0)
 }
 
 /// The difference in standard errors; zero where neither estimate has one.
-pub fn z_scores(tested: Estimate, reference: Estimate) -> Image {
-    let numbers: Vec<f32> = quadruples(tested, reference)
-        .map(|[a, sa, b, sb]| {
-            if sa == 0.0 && sb == 0.0 {
-                0.0
-            } else {
-                ((a - b) / sa.hypot(sb)) as f32
-            }
-        })
-        .collect();
-    Image {
-        width: tested.value.width,
-        height: tested.value.height,
-        pixels: numbers.as_chunks::<3>().0.to_vec(),
-    }
+pub fn z_scores(tested: &Replicates, reference: &Replicates) -> Image {
+    let pairs = tested.numbers().zip(reference.numbers());
+    tested.image(pairs.map(|((a, sa), (b, sb))| match sa.hypot(sb) {
+        0.0 => 0.0,
+        error => (a - b) / error,
+    }))
 }
 
-fn largest_magnitude(image: &Image) -> f64 {
-    image
-        .pixels
-        .iter()
-        .flatten()
-        .fold(0.0, |largest, v| largest.max(v.abs() as f64))
+fn largest_magnitude(replicates: &Replicates) -> f64 {
+    let magnitudes = replicates.numbers().map(|(value, _)| value.abs());
+    magnitudes.fold(0.0, f64::max)
 }
 
 /// The root of the mean square over pixels and channels.

@@ -3,6 +3,9 @@
 use super::*;
 
 const SIDE: usize = 64;
+const RUNS: usize = 8;
+/// Of the mean of all runs.
+const NOISE: f64 = 0.02;
 
 /// Normal numbers from a counter (a sum of twelve uniform ones is near enough).
 fn normal(seed: u64, at: usize) -> f64 {
@@ -39,26 +42,23 @@ fn truth(at: usize) -> f64 {
     }
 }
 
+fn replicates(seed: u64, value: &impl Fn(usize) -> f64, noise: &impl Fn(usize) -> f64) -> Replicates {
+    let mut replicates = Replicates::default();
+    let scale = (RUNS as f64).sqrt();
+    for run in 0..RUNS as u64 {
+        replicates.add(
+            &image(|at| value(at) + scale * noise(at) * normal(seed + run, at)),
+            &image(|at| scale * noise(at)),
+        );
+    }
+    replicates
+}
+
 fn compare(tested: impl Fn(usize) -> f64) -> Comparison {
-    let noise = |seed, at| {
-        if truth(at) == 0.0 {
-            0.0
-        } else {
-            0.05 * normal(seed, at)
-        }
-    };
-    let stderr = image(|at| if truth(at) == 0.0 { 0.0 } else { 0.05 });
-    let value = image(|at| tested(at) + noise(1, at));
-    let reference = image(|at| truth(at) + noise(2, at));
+    let noise = |at| if truth(at) == 0.0 { 0.0 } else { NOISE };
     Comparison::of(
-        Estimate {
-            value: &value,
-            stderr: &stderr,
-        },
-        Estimate {
-            value: &reference,
-            stderr: &stderr,
-        },
+        &replicates(1, &tested, &noise),
+        &replicates(1000, &truth, &noise),
     )
 }
 
@@ -74,6 +74,11 @@ fn equals_agree() {
         c.relative_bias.abs() < 4.0 * c.relative_bias_se && c.relative_bias_se < 0.01,
         "{c:?}"
     );
+    assert!(
+        c.blocks.significance.abs() < 4.0 && c.pixels.significance.abs() < 4.0,
+        "{c:?}"
+    );
+    assert!((c.reference_noise_share - 0.5).abs() < 0.01, "{c:?}");
 }
 
 #[test]
@@ -88,7 +93,17 @@ fn a_bias_is_measured() {
 #[test]
 fn a_local_fault_is_seen() {
     let c = compare(|at| if at / 3 / SIDE > 48 { 0.0 } else { truth(at) });
-    assert!(c.share_beyond_4 > 0.02 && c.relative_excess > 0.1, "{c:?}");
+    assert!(
+        c.share_beyond_4 > 0.02 && c.blocks.significance > 4.0 && c.blocks.relative_rms > 0.1,
+        "{c:?}"
+    );
+    assert!(c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1, "{c:?}");
+}
+
+#[test]
+fn a_shift_by_a_pixel_is_seen_in_the_pixels() {
+    let c = compare(|at| truth(at + 3));
+    assert!(c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1, "{c:?}");
 }
 
 #[test]
@@ -99,19 +114,12 @@ fn what_is_certain_must_be_equal() {
 
 #[test]
 fn noise_alone_is_no_signal() {
-    let stderr = image(|_| 1.0);
-    let (a, b) = (image(|at| normal(1, at)), image(|at| normal(2, at)));
     let c = Comparison::of(
-        Estimate {
-            value: &a,
-            stderr: &stderr,
-        },
-        Estimate {
-            value: &b,
-            stderr: &stderr,
-        },
+        &replicates(1, &|_| 0.0, &|_| 1.0),
+        &replicates(1000, &|_| 0.0, &|_| 1.0),
     );
     assert!(!c.reference_is_significant, "{c:?}");
+    assert!(c.blocks.significance < 4.0, "{c:?}");
 }
 
 #[test]

@@ -11,18 +11,18 @@ use std::path::Path;
 pub type Direction = Vec<(Parameter, Vec<f32>)>;
 
 /// Finds the parameters and expands their tangents.
-pub fn resolve(scene: &Scene, tangents: &[Tangent]) -> Result<Direction, Failure> {
+pub fn resolve(scene: &Scene, tangents: &[Tangent], sensor: usize) -> Result<Direction, Failure> {
     let keys: Vec<&str> = tangents
         .iter()
         .map(|tangent| tangent.key.as_str())
         .collect();
-    let found = find(scene, &keys)?;
+    let found = find(scene, &keys, sensor)?;
     found
         .into_iter()
         .zip(tangents)
         .map(|(parameter, tangent)| {
             let values = match &tangent.value {
-                TangentValue::Numbers(numbers) => broadcast(&parameter, numbers)?,
+                TangentValue::Numbers(numbers) => parameter.broadcast(numbers)?,
                 TangentValue::File(path) => from_file(&parameter, path)?,
             };
             Ok((parameter, values))
@@ -30,15 +30,12 @@ pub fn resolve(scene: &Scene, tangents: &[Tangent]) -> Result<Direction, Failure
         .collect()
 }
 
-/// Finds parameters that can be differentiated. Two names of the same one are a mistake.
-pub fn find(scene: &Scene, keys: &[&str]) -> Result<Vec<Parameter>, Failure> {
+/// Finds parameters that sensor `sensor` can be differentiated by. Two names of the same one are a mistake.
+pub fn find(scene: &Scene, keys: &[&str], sensor: usize) -> Result<Vec<Parameter>, Failure> {
     let mut found: Vec<Parameter> = Vec::with_capacity(keys.len());
     for key in keys {
-        let parameter =
-            parameters::find(scene, key).map_err(|error| Failure::Input(error.to_string()))?;
-        if !parameter.differentiable {
-            return Err(Failure::Input(format!("{key} cannot be differentiated")));
-        }
+        let parameter = parameters::find(scene, key)?;
+        parameter.check_sensor(scene, sensor)?;
         if found.iter().any(|other| other.key == parameter.key) {
             return Err(Failure::Input(format!("{} is given twice", parameter.key)));
         }
@@ -47,26 +44,7 @@ pub fn find(scene: &Scene, keys: &[&str]) -> Result<Vec<Parameter>, Failure> {
     Ok(found)
 }
 
-/// One number goes everywhere; as many as the last axis has go to every row.
-fn broadcast(parameter: &Parameter, numbers: &[f32]) -> Result<Vec<f32>, Failure> {
-    let count: usize = parameter.shape.iter().product();
-    let row = parameter.shape.last().copied().unwrap_or(1);
-    if numbers.len() != 1 && numbers.len() != row {
-        let wanted = if row == 1 {
-            "1 number".into()
-        } else {
-            format!("1 or {row} numbers")
-        };
-        return Err(Failure::Input(format!(
-            "{}: the tangent has {} numbers; the shape is {}: give {wanted}, or @file.npy",
-            parameter.key,
-            numbers.len(),
-            npy::tuple(&parameter.shape),
-        )));
-    }
-    Ok(numbers.iter().copied().cycle().take(count).collect())
-}
-
+/// A file has the parameter's own shape: what would be broadcast is short enough to be typed.
 fn from_file(parameter: &Parameter, path: &Path) -> Result<Vec<f32>, Failure> {
     let array = npy::read(path)?;
     if array.shape != parameter.shape {

@@ -2,6 +2,7 @@
 
 use crate::methods::EngineError;
 use crate::output::FileError;
+use crate::scene::SceneError;
 use std::process::ExitCode;
 
 /// Why a command did not do what was asked. The text tells the user what would be right.
@@ -56,6 +57,16 @@ impl From<FileError> for Failure {
         match error {
             FileError::Io { .. } => Failure::World(error.to_string()),
             FileError::Contents { .. } => Failure::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        if error.is_io() {
+            Failure::World(error.to_string())
+        } else {
+            Failure::Input(error.to_string())
         }
     }
 }

@@ -19,7 +19,11 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
         Some(method),
         !arguments.no_stderr,
     )?;
-    let direction = direction::resolve(&session.scene, &arguments.parameters)?;
+    let direction = direction::resolve(
+        &session.scene,
+        &arguments.parameters,
+        session.settings.sensor,
+    )?;
     if direction
         .iter()
         .all(|(_, tangent)| tangent.iter().all(|value| *value == 0.0))

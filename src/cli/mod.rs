@@ -12,10 +12,12 @@ mod log;
 mod params;
 mod progress;
 mod render;
+mod replicates;
 mod report;
 mod session;
 mod signals;
 mod values;
+mod verdict;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -4,6 +4,9 @@ use crate::methods::{Settings, Statistics};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// A smaller share of silhouettes than this may be missing without a warning.
+const MISSING_SHARE: f64 = 1e-3;
+
 /// The report of one run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
@@ -20,8 +23,12 @@ pub struct Report {
     pub method: Option<&'static str>,
     pub backend: &'static str,
     pub threads: usize,
+    /// By stage. `primal` traces paths and finds silhouettes, `adjoint` differentiates them, in forward mode
+    /// too; the threads do both in turn, and the time is parted by what each took. `total` is the whole run.
     pub seconds: BTreeMap<String, f64>,
     pub rays: BTreeMap<String, u64>,
+    /// Cells of the sampling lattices between whose ends a silhouette was found.
+    pub silhouettes: u64,
     pub rejected: BTreeMap<String, u64>,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
@@ -64,6 +71,7 @@ impl Report {
             threads: settings.threads,
             seconds: BTreeMap::new(),
             rays: BTreeMap::new(),
+            silhouettes: 0,
             rejected: BTreeMap::new(),
             warnings: Vec::new(),
             notes: Vec::new(),
@@ -77,12 +85,33 @@ impl Report {
     pub fn absorb(&mut self, statistics: &Statistics) {
         add(&mut self.seconds, &statistics.seconds);
         add(&mut self.rays, &statistics.rays);
+        self.silhouettes += statistics.silhouettes;
         add(&mut self.rejected, &statistics.rejected);
         for note in &statistics.notes {
             if !self.notes.contains(note) {
                 self.notes.push(note.clone());
             }
         }
+    }
+
+    /// What was lost on the way, where it matters.
+    pub fn losses(&self) -> Vec<String> {
+        let mut losses = Vec::new();
+        for (cause, &count) in self.rejected.iter().filter(|(_, count)| **count > 0) {
+            let cells = count + self.silhouettes;
+            match cause.as_str() {
+                "silhouette_not_found" if count as f64 <= MISSING_SHARE * cells as f64 => {}
+                "silhouette_not_found" => losses.push(format!(
+                    "{count} of {cells} cells had no silhouette found; their part of the gradient is missing"
+                )),
+                "not_finite" => losses.push(format!(
+                    "{count} samples were not finite and count as zero: the scene has numbers that are too large \
+                     or too small"
+                )),
+                other => losses.push(format!("{count} samples were rejected: {other}")),
+            }
+        }
+        losses
     }
 
     /// Adds to one stage's seconds.

@@ -136,10 +136,8 @@ impl Session {
 
     /// Writes the report, and says what was done.
     pub fn close(mut self) -> Result<(), Failure> {
-        for (cause, count) in self.report.rejected.clone() {
-            if count > 0 {
-                self.warn(format!("{count} samples were rejected: {cause}"));
-            }
+        for warning in self.report.losses() {
+            self.warn(warning);
         }
         for note in &self.report.notes {
             self.log.note(note);
@@ -184,8 +182,7 @@ impl Session {
 
 /// Loads a scene, passing its warnings on.
 pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
-    let scene = scene::load(&arguments.scene, &arguments.defines)
-        .map_err(|error| Failure::Input(error.to_string()))?;
+    let scene = scene::load(&arguments.scene, &arguments.defines)?;
     for warning in scene.warnings.iter().take(WARNINGS_PRINTED) {
         log.warning(warning);
     }

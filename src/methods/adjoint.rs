@@ -1,6 +1,6 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
-use super::stage::{GroupImages, Stage};
+use super::stage::{GroupImages, Stage, StageClock};
 use super::{BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics};
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
@@ -31,7 +31,7 @@ pub fn backward(
     let stage = Stage::new(scene, settings, visibility, &mut statistics)?;
     check_size(&adjoint, stage.size)?;
 
-    let start = Instant::now();
+    let clock = StageClock::start();
     let wanted = Wanted::new(request);
     let tracer = stage.tracer();
     let sweep = ReverseSweep { tracer: &tracer, wanted: &wanted, visibility };
@@ -43,12 +43,15 @@ pub fn backward(
         progress,
         |group, index| {
             let tile = stage.lattice.tile(index, group, stage.seed);
+            let start = Instant::now();
             let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, |a, b| sweep.moves(a, b));
+            let start = clock.add_primal(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             let free = scratch.lock().map_or(None, |mut s| s.pop());
             let mut tile_sums = free.unwrap_or_else(|| TileSums::new(scene, &stage.geometry, &wanted));
             let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
+            clock.add_adjoint(start);
             if let Ok(mut scratch) = scratch.lock() {
                 scratch.push(tile_sums);
             }
@@ -64,7 +67,7 @@ pub fn backward(
         },
     )?;
     statistics.add_counts(&counts);
-    statistics.add_seconds("adjoint", start);
+    clock.stop(&mut statistics);
 
     let groups: Vec<SceneDifferential> =
         sums.into_iter().map(|s| s.finish(scene, &stage.geometry, &stage.camera, request)).collect();

@@ -68,6 +68,8 @@ pub struct Image {
 pub struct Statistics {
     /// Rays traced, by kind: camera, shadow, bounce, …
     pub rays: BTreeMap<&'static str, u64>,
+    /// Cells between whose ends a silhouette was found.
+    pub silhouettes: u64,
     /// Samples rejected, by cause.
     pub rejected: BTreeMap<&'static str, u64>,
     /// Seconds, by stage.

@@ -11,6 +11,7 @@ use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, MeshView};
 use crate::warp::adjacency::Adjacency;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Independent groups of samples behind a standard error, at least.
@@ -212,6 +213,39 @@ impl GroupImages {
     }
 }
 
+/// Parts the time of a sweep over tiles into tracing and differentiating, by what the threads spent on each.
+pub struct StageClock {
+    started: Instant,
+    primal_ns: AtomicU64,
+    adjoint_ns: AtomicU64,
+}
+
+impl StageClock {
+    pub fn start() -> Self {
+        Self { started: Instant::now(), primal_ns: AtomicU64::new(0), adjoint_ns: AtomicU64::new(0) }
+    }
+
+    /// A thread has traced since `start`; now.
+    pub fn add_primal(&self, start: Instant) -> Instant {
+        self.primal_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        Instant::now()
+    }
+
+    /// A thread has differentiated since `start`.
+    pub fn add_adjoint(&self, start: Instant) {
+        self.adjoint_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    /// Hands the time since the start to the stages.
+    pub fn stop(self, statistics: &mut Statistics) {
+        let seconds = self.started.elapsed().as_secs_f64();
+        let (primal, adjoint) = (self.primal_ns.into_inner() as f64, self.adjoint_ns.into_inner() as f64);
+        let share = primal / (primal + adjoint).max(1.0);
+        *statistics.seconds.entry("primal").or_default() += seconds * share;
+        *statistics.seconds.entry("adjoint").or_default() += seconds * (1.0 - share);
+    }
+}
+
 impl Statistics {
     /// Adds the time since `start` to a stage.
     pub fn add_seconds(&mut self, stage: &'static str, start: Instant) {
@@ -231,6 +265,7 @@ impl Statistics {
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {
             *self.rays.entry(kind).or_default() += count;
         }
+        self.silhouettes += counts.resolved;
         let rejected = [("not_finite", counts.not_finite), ("silhouette_not_found", counts.unresolved)];
         for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {
             *self.rejected.entry(cause).or_default() += count;

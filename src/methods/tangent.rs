@@ -1,6 +1,6 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
-use super::stage::{GroupImages, Stage};
+use super::stage::{GroupImages, Stage, StageClock};
 use super::{EngineError, ForwardGradient, Method, Progress, Settings, Statistics};
 use crate::gradient::forward::ForwardSweep;
 use crate::gradient::motion::Motion;
@@ -28,7 +28,7 @@ pub fn forward(
         motion.camera.is_some() || motion.moves(&stage.geometry, a) || motion.moves(&stage.geometry, b)
     };
 
-    let start = Instant::now();
+    let clock = StageClock::start();
     let mut images = GroupImages::new(&stage);
     let mut gradients = GroupImages::new(&stage);
     let mut counts = Counts::default();
@@ -36,10 +36,13 @@ pub fn forward(
         progress,
         |group, index| {
             let tile = stage.lattice.tile(index, group, stage.seed);
+            let start = Instant::now();
             let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves);
+            let start = clock.add_primal(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
             let gradient = differentiate(&stage, &sweep, &mut traced);
+            clock.add_adjoint(start);
             (image, gradient, traced.counts)
         },
         |group, (image, gradient, tile_counts)| {
@@ -49,7 +52,7 @@ pub fn forward(
         },
     )?;
     statistics.add_counts(&counts);
-    statistics.add_seconds("primal", start);
+    clock.stop(&mut statistics);
 
     let image = stage.image(images.finish().0);
     let (gradient, stderr) = gradients.finish();

@@ -71,6 +71,8 @@ impl TracedTile {
         }
         if let Some(adjacency) = tracer.adjacency {
             store.film_crossings = film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
+            let found = [store.film_crossings.len(), store.light_crossings.len(), store.bounce_crossings.len()];
+            counts.resolved += found.iter().sum::<usize>() as u64;
         }
         let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
         Self { tile, store, image, counts, taps }

@@ -46,6 +46,8 @@ pub struct Counts {
     pub bounce_cell: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
+    /// Cells between whose ends a silhouette was found.
+    pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,
     /// Samples dropped because they were not finite.
@@ -67,6 +69,7 @@ impl std::ops::AddAssign for Counts {
         self.light_cell += o.light_cell;
         self.bounce_cell += o.bounce_cell;
         self.probe += o.probe;
+        self.resolved += o.resolved;
         self.unresolved += o.unresolved;
         self.not_finite += o.not_finite;
     }

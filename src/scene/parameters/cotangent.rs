@@ -1,7 +1,7 @@
 //! Reverse: cotangents of everything in the scene become gradients of parameters.
 
 use super::motion::pivot;
-use super::{Parameter, Target, check_sensor};
+use super::{Parameter, Target};
 use crate::scene::data::{Normals, Rgb, Scene};
 use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
@@ -17,7 +17,7 @@ pub fn wanted(
     let mut out = SceneDifferential::none(scene);
     for parameter in parameters {
         let target = parameter.target()?;
-        check_sensor(scene, &parameter.key, target, sensor)?;
+        parameter.check_sensor(scene, sensor)?;
         match target {
             Target::VertexPositions(m) | Target::ShapeTranslation(m) | Target::ShapeScale(m) => {
                 let vertices = scene.meshes[m].positions.len();

@@ -121,8 +121,23 @@ impl Parameter {
         self.target.ok_or_else(|| not_differentiable(&self.key))
     }
 
+    /// Refuses what belongs to another sensor than `sensor`, the one that renders.
+    pub fn check_sensor(&self, scene: &Scene, sensor: usize) -> Result<(), SceneError> {
+        match self.target.and_then(Target::sensor) {
+            Some(other) if other != sensor => {
+                let rendered = scene.sensors.get(sensor).map_or("none", |s| s.id.as_str());
+                Err(SceneError::parameter(format!(
+                    "{} belongs to sensor {other}, but sensor {sensor} (\"{rendered}\") renders: its image does \
+                     not depend on it; choose --sensor {other}",
+                    self.key
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// As many numbers as the parameter has: all given, or those of the last axis repeated.
-    fn broadcast(&self, values: &[f32]) -> Result<Vec<f32>, SceneError> {
+    pub fn broadcast(&self, values: &[f32]) -> Result<Vec<f32>, SceneError> {
         if let Some(bad) = values.iter().find(|v| !v.is_finite()) {
             return Err(SceneError::parameter(format!(
                 "{}: {bad} is not a finite number",
@@ -192,16 +207,3 @@ fn not_differentiable(key: &str) -> SceneError {
     ))
 }
 
-/// Refuses what belongs to another sensor than the one that renders.
-fn check_sensor(scene: &Scene, key: &str, target: Target, sensor: usize) -> Result<(), SceneError> {
-    match target.sensor() {
-        Some(other) if other != sensor => {
-            let rendered = scene.sensors.get(sensor).map_or("none", |s| s.id.as_str());
-            Err(SceneError::parameter(format!(
-                "{key} belongs to sensor {other}, but sensor {sensor} (\"{rendered}\") renders: its image does not \
-                 depend on it; choose --sensor {other}"
-            )))
-        }
-        _ => Ok(()),
-    }
-}

@@ -1,7 +1,7 @@
 //! Forward: a direction in parameters becomes a motion of everything in the scene.
 
 use super::motion::pivot;
-use super::{Target, check_sensor, find};
+use super::{Target, find};
 use crate::scene::data::{Normals, Rgb, Scene};
 use crate::scene::differential::{CameraDifferential, SceneDifferential};
 use crate::scene::error::SceneError;
@@ -18,7 +18,7 @@ pub fn tangent<K: AsRef<str>, V: AsRef<[f32]>>(
     for (key, values) in directions {
         let parameter = find(scene, key.as_ref())?;
         let target = parameter.target()?;
-        check_sensor(scene, &parameter.key, target, sensor)?;
+        parameter.check_sensor(scene, sensor)?;
         let values = parameter.broadcast(values.as_ref())?;
         add(&mut out, scene, target, &values);
     }
