@@ -33,11 +33,11 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
     }
     let mut session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
     let settings = session.settings.clone();
-    let direction =
-        direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;
+    let direction = direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;
     if settings.spp < 2 {
         return Err(Failure::Input(
-            "with one sample a pixel there are no standard errors to check against: raise --spp".into(),
+            "with one sample a pixel there are no standard errors to check against: raise --spp"
+                .into(),
         ));
     }
     let mut tested = Replicates::default();
@@ -65,7 +65,9 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         }
     };
     write_images(&mut session, &tested, &reference)?;
-    let moves = direction.iter().any(|(parameter, _)| parameter.moves_visibility);
+    let moves = direction
+        .iter()
+        .any(|(parameter, _)| parameter.moves_visibility);
     let verdict = judge(
         method.name(),
         moves && method == Method::Interior,
@@ -73,7 +75,13 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         &comparison,
         arguments.tolerance,
     );
-    conclude(session, &verdict, &transposition, &comparison, arguments.tolerance)
+    conclude(
+        session,
+        &verdict,
+        &transposition,
+        &comparison,
+        arguments.tolerance,
+    )
 }
 
 /// Writes and prints what was found.
@@ -181,7 +189,10 @@ fn transpose(
         |scene, settings, progress| methods::backward(scene, settings, &keys, &objective, progress),
         |backward| &backward.statistics,
     )?;
-    let forward = inner(gradient.pixels.as_flattened(), adjoint.pixels.as_flattened());
+    let forward = inner(
+        gradient.pixels.as_flattened(),
+        adjoint.pixels.as_flattened(),
+    );
     let mut backward = (0.0, 0.0);
     for (parameter, tangent) in direction {
         let reduced = parameters::reduce(&session.scene, parameter, &done.gradient);
@@ -227,7 +238,11 @@ fn smooth_image(width: usize, height: usize, seed: u64) -> Image {
 }
 
 /// One scale for the two gradients, so that equal colours are equal numbers.
-fn write_images(session: &mut Session, tested: &Replicates, reference: &Replicates) -> Result<(), Failure> {
+fn write_images(
+    session: &mut Session,
+    tested: &Replicates,
+    reference: &Replicates,
+) -> Result<(), Failure> {
     let z = z_scores(tested, reference);
     let (tested, reference) = (tested.mean(), reference.mean());
     let scale = chart::robust_scale(&reference).max(chart::robust_scale(&tested));

@@ -87,7 +87,10 @@ impl Comparison {
         let scale = if significant { signal } else { f64::NAN };
         let slope = sums.ab / scale;
         // The scatter over blocks holds although neighbouring pixels share samples; the bias itself is out.
-        let scatter: f64 = clusters.iter().map(|[ab, bb, _]| (ab - slope * bb).powi(2)).sum();
+        let scatter: f64 = clusters
+            .iter()
+            .map(|[ab, bb, _]| (ab - slope * bb).powi(2))
+            .sum();
         let within: f64 = clusters.iter().map(|c| 2.0 * c[2] * c[2]).sum();
         let count = sums.compared.max(1) as f64;
         let pixel = largest.1 / 3;
@@ -96,7 +99,8 @@ impl Comparison {
             reference_runs: reference.runs(),
             relative_bias: slope - 1.0,
             relative_bias_se: scatter.max(sums.noise_on_b).sqrt() / scale,
-            reference_noise_share: sums.reference_noise_on_b / sums.noise_on_b.max(f64::MIN_POSITIVE),
+            reference_noise_share: sums.reference_noise_on_b
+                / sums.noise_on_b.max(f64::MIN_POSITIVE),
             blocks: block_excess(tested, reference, rounding, significant),
             // As if all the noise of a block were one number's: the filter correlates neighbours.
             pixels: Excess::new(sums.excess, within, scale),
@@ -144,7 +148,12 @@ impl Excess {
     }
 }
 
-fn block_excess(tested: &Replicates, reference: &Replicates, rounding: f64, significant: bool) -> Excess {
+fn block_excess(
+    tested: &Replicates,
+    reference: &Replicates,
+    rounding: f64,
+    significant: bool,
+) -> Excess {
     let (mut excess, mut its_variance, mut signal) = (0.0, 0.0, 0.0);
     for ((a, sa), (b, sb)) in tested.block_means().zip(reference.block_means()) {
         let variance = sa * sa + sb * sb;
@@ -154,7 +163,11 @@ fn block_excess(tested: &Replicates, reference: &Replicates, rounding: f64, sign
         its_variance += 2.0 * variance * variance;
         signal += b * b - sb * sb;
     }
-    let scale = if significant && signal > 0.0 { signal } else { f64::NAN };
+    let scale = if significant && signal > 0.0 {
+        signal
+    } else {
+        f64::NAN
+    };
     Excess::new(excess, its_variance, scale)
 }
 

@@ -42,7 +42,11 @@ fn truth(at: usize) -> f64 {
     }
 }
 
-fn replicates(seed: u64, value: &impl Fn(usize) -> f64, noise: &impl Fn(usize) -> f64) -> Replicates {
+fn replicates(
+    seed: u64,
+    value: &impl Fn(usize) -> f64,
+    noise: &impl Fn(usize) -> f64,
+) -> Replicates {
     let mut replicates = Replicates::default();
     let scale = (RUNS as f64).sqrt();
     for run in 0..RUNS as u64 {
@@ -97,13 +101,19 @@ fn a_local_fault_is_seen() {
         c.share_beyond_4 > 0.02 && c.blocks.significance > 4.0 && c.blocks.relative_rms > 0.1,
         "{c:?}"
     );
-    assert!(c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1, "{c:?}");
+    assert!(
+        c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1,
+        "{c:?}"
+    );
 }
 
 #[test]
 fn a_shift_by_a_pixel_is_seen_in_the_pixels() {
     let c = compare(|at| truth(at + 3));
-    assert!(c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1, "{c:?}");
+    assert!(
+        c.pixels.significance > 4.0 && c.pixels.relative_rms > 0.1,
+        "{c:?}"
+    );
 }
 
 #[test]

@@ -29,11 +29,7 @@ impl Replicates {
         for (sum, v) in self.sum.iter_mut().zip(value.pixels.iter().flatten()) {
             *sum += *v as f64;
         }
-        for (sum, e) in self
-            .variance
-            .iter_mut()
-            .zip(stderr.pixels.iter().flatten())
-        {
+        for (sum, e) in self.variance.iter_mut().zip(stderr.pixels.iter().flatten()) {
             *sum += (*e as f64).powi(2);
         }
         let mut blocks = vec![0.0; 3 * self.block_count()];

@@ -100,7 +100,10 @@ pub fn judge(
 fn doubts(c: &Comparison) -> Vec<String> {
     let mut doubts = Vec::new();
     if c.compared == 0 {
-        doubts.push("both gradients are zero everywhere: the image does not depend on the parameters".into());
+        doubts.push(
+            "both gradients are zero everywhere: the image does not depend on the parameters"
+                .into(),
+        );
     } else if !c.reference_is_significant {
         doubts.push("the finite differences do not stand out of their noise: raise --spp".into());
     } else if SIGNIFICANT * c.relative_bias_se > COARSE {
