@@ -31,12 +31,18 @@ pub fn build() {
 
 /// `"4"` or `"3"`, whichever header the C compiler finds first.
 fn installed_version() -> &'static str {
-    if !compiles("any_compiler.c", "") {
+    if preprocess("any_compiler.c", "").is_none() {
         stop("no C compiler is installed: sudo apt-get install build-essential");
     }
     for version in ["4", "3"] {
-        let source = format!("#include <embree{version}/rtcore.h>\n");
-        if compiles(&format!("has_embree{version}.c"), &source) {
+        let header = format!("embree{version}/rtcore.h");
+        let source = format!("#include <{header}>\n");
+        if let Some(text) = preprocess(&format!("has_embree{version}.c"), &source) {
+            // Another version of Embree in its place must be built against anew.
+            let mut paths = text.split('"').filter(|path| path.ends_with(&header));
+            if let Some(path) = paths.next() {
+                println!("cargo::rerun-if-changed={path}");
+            }
             return version;
         }
     }
@@ -45,15 +51,16 @@ fn installed_version() -> &'static str {
     ))
 }
 
-/// Whether the C preprocessor takes `source`.
-fn compiles(name: &str, source: &str) -> bool {
+/// What the C preprocessor makes of `source`, if it takes it.
+fn preprocess(name: &str, source: &str) -> Option<String> {
     let probe = out_dir().join(name);
     if let Err(e) = std::fs::write(&probe, source) {
         stop(&format!("cannot write {}: {e}", probe.display()));
     }
     let mut compiler = cc::Build::new();
     compiler.cargo_metadata(false).cargo_warnings(false);
-    compiler.file(&probe).try_expand().is_ok()
+    let text = compiler.file(&probe).try_expand().ok()?;
+    Some(String::from_utf8_lossy(&text).into_owned())
 }
 
 fn out_dir() -> PathBuf {
@@ -84,7 +91,7 @@ fn bind() {
     let _ = panic::take_hook();
     match bindings {
         Err(_) => stop(&format!(
-            "bindgen found no libclang to read ffi/embree_shim.h with: {NEEDS}"
+            "bindgen found no libclang, which reads ffi/embree_shim.h for it: {NEEDS}"
         )),
         Ok(Err(e)) => stop(&format!("bindgen cannot read ffi/embree_shim.h: {e}")),
         Ok(Ok(bindings)) => {

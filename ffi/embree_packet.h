@@ -19,6 +19,14 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
 {
     const size_t size = W * sizeof(float);
     rays += at;
+#if W == 1
+    /* Embree loads each four as one vector, which waits if they were stored one by one. */
+    typedef float Four __attribute__((vector_size(16)));
+    Four origin = {rays[0], rays[n], rays[2 * n], rays[3 * n]};
+    Four direction = {rays[4 * n], rays[5 * n], rays[6 * n], 0.0f};
+    memcpy(&ray->org_x, &origin, sizeof origin);
+    memcpy(&ray->dir_x, &direction, sizeof direction); /* and time = 0 */
+#else
     memcpy(&ray->org_x, rays, size);
     memcpy(&ray->org_y, rays + n, size);
     memcpy(&ray->org_z, rays + 2 * n, size);
@@ -26,8 +34,9 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
     memcpy(&ray->dir_x, rays + 4 * n, size);
     memcpy(&ray->dir_y, rays + 5 * n, size);
     memcpy(&ray->dir_z, rays + 6 * n, size);
-    memcpy(&ray->tfar, rays + 7 * n, size);
     memset(&ray->time, 0, size);
+#endif
+    memcpy(&ray->tfar, rays + 7 * n, size);
     memset(&ray->mask, 0xff, size);
     memset(&ray->id, 0, size);
     memset(&ray->flags, 0, size);
@@ -94,6 +103,39 @@ static inline unsigned JOIN(occluded_part, W)(const WarpathAccel *accel, const f
     for (unsigned i = 0; i < W; i++) /* Embree marks a blocked ray with tfar = -inf */
         blocked |= ((unsigned)valid[i] & (tfar[i] == -INFINITY)) << i;
     return blocked << at;
+}
+
+/* See warpath_floor. */
+static double JOIN(floor, W)(const WarpathAccel *accel, const float *rays, unsigned n, unsigned stride,
+                             unsigned packets, int coherent, unsigned long long *hits)
+{
+    _Alignas(64) int valid[W];
+    size_t count = (size_t)packets * (n / W);
+    RAYHIT *all = aligned_alloc(64, (count * sizeof *all + 63) & ~(size_t)63);
+    if (!all) return -1.0;
+    for (size_t i = 0; i < count; i++) {
+        JOIN(load, W)(&all[i].ray, valid, rays + i / (n / W) * stride, ~0u, n, i % (n / W) * W);
+        memset(&all[i].hit, 0xff, sizeof all[i].hit);
+    }
+    memset(valid, 0xff, sizeof valid);
+    IntersectQuery query;
+    init_intersect(&query, coherent);
+    *hits = 0;
+    double start = now();
+    for (size_t i = 0; i < count; i++) {
+        RAYHIT rh = all[i]; /* Embree answers in place, and a program needs its rays again */
+#if W == 1
+        INTERSECT1(accel->scene, &query, &rh);
+#else
+        INTERSECTN(W, accel->scene, &query, valid, &rh);
+#endif
+        const unsigned *mesh = (const unsigned *)&rh.hit.geomID;
+        for (unsigned k = 0; k < W; k++)
+            *hits += mesh[k] != RTC_INVALID_GEOMETRY_ID;
+    }
+    double seconds = now() - start;
+    free(all);
+    return seconds;
 }
 
 #undef JOIN_

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 struct WarpathAccel {
     RTCDevice device;
@@ -45,26 +46,19 @@ static unsigned native_width(RTCDevice device)
     return 1;
 }
 
-static void copy_positions(WarpathAccel *accel, RTCGeometry geometry, const WarpathMesh *mesh, int fresh)
-{
-    const size_t stride = 3 * sizeof(float);
-    void *target = fresh ? rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                   stride, mesh->vertex_count)
-                         : rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-    if (target)
-        memcpy(target, mesh->positions, stride * mesh->vertex_count);
-    else
-        on_error(accel, RTC_ERROR_OUT_OF_MEMORY, "no vertex buffer");
-}
-
 static void attach(WarpathAccel *accel, const WarpathMesh *mesh, unsigned id)
 {
-    const size_t stride = 3 * sizeof(unsigned);
+    const size_t stride = 12; /* three floats, or three indices */
     if (mesh->triangle_count == 0) return; /* an id no ray meets */
     RTCGeometry geometry = rtcNewGeometry(accel->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return; /* on_error has been told */
     accel->geometries[id] = geometry;
-    copy_positions(accel, geometry, mesh, 1);
+    void *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, stride,
+                                              mesh->vertex_count);
+    if (positions)
+        memcpy(positions, mesh->positions, stride * mesh->vertex_count);
+    else
+        on_error(accel, RTC_ERROR_OUT_OF_MEMORY, "no vertex buffer");
     void *triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, stride,
                                               mesh->triangle_count);
     if (triangles)
@@ -121,21 +115,28 @@ failed:
 
 int warpath_accel_refit(WarpathAccel *accel, const WarpathMesh *meshes, WarpathError *error)
 {
+    const int first = !accel->refitting;
     accel->error.code = RTC_ERROR_NONE;
-    if (!accel->refitting) {
-        /* Embree refits only below a two-level hierarchy. A static scene traces a little faster, so the
-         * scene becomes a two-level one when the first vertex moves; that once, meshes are built anew. */
+    if (first) {
+        /* Embree refits only below a two-level hierarchy, which it makes for scenes both dynamic and of low
+         * quality (the meshes in it keep their own). A single level traces a little faster, so the scene
+         * becomes a two-level one when the first vertex moves; that once, meshes are built anew. */
         accel->refitting = 1;
         rtcSetSceneFlags(accel->scene, rtcGetSceneFlags(accel->scene) | RTC_SCENE_FLAG_DYNAMIC);
+        rtcSetSceneBuildQuality(accel->scene, RTC_BUILD_QUALITY_LOW);
         for (unsigned i = 0; i < accel->mesh_count; i++)
             if (accel->geometries[i])
                 rtcSetGeometryBuildQuality(accel->geometries[i], RTC_BUILD_QUALITY_REFIT);
     }
     for (unsigned i = 0; i < accel->mesh_count; i++) {
-        if (!accel->geometries[i]) continue;
-        copy_positions(accel, accel->geometries[i], &meshes[i], 0);
-        rtcUpdateGeometryBuffer(accel->geometries[i], RTC_BUFFER_TYPE_VERTEX, 0);
-        rtcCommitGeometry(accel->geometries[i]);
+        RTCGeometry geometry = accel->geometries[i];
+        const size_t size = 12 * (size_t)meshes[i].vertex_count;
+        if (!geometry) continue;
+        void *positions = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        if (!positions || (!first && memcmp(positions, meshes[i].positions, size) == 0)) continue;
+        memcpy(positions, meshes[i].positions, size);
+        rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        rtcCommitGeometry(geometry);
     }
     rtcCommitScene(accel->scene);
     *error = accel->error;
@@ -164,6 +165,13 @@ unsigned warpath_accel_version(const WarpathAccel *accel)
 }
 
 /* ---- Queries ---- */
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 #define W 1
 #include "embree_packet.h"
@@ -221,3 +229,13 @@ PACKET(1)
 PACKET(4)
 PACKET(8)
 PACKET(16)
+
+double warpath_floor(const WarpathAccel *accel, const float *rays, unsigned n, unsigned stride,
+                     unsigned packets, int coherent, unsigned long long *hits)
+{
+    unsigned width = n < accel->width ? n : accel->width;
+    if (width >= 16) return floor16(accel, rays, n, stride, packets, coherent, hits);
+    if (width >= 8) return floor8(accel, rays, n, stride, packets, coherent, hits);
+    if (width >= 4) return floor4(accel, rays, n, stride, packets, coherent, hits);
+    return floor1(accel, rays, n, stride, packets, coherent, hits);
+}

@@ -60,4 +60,9 @@ unsigned warpath_occluded4(const WarpathAccel *accel, const float *rays, unsigne
 unsigned warpath_occluded8(const WarpathAccel *accel, const float *rays, unsigned active, int coherent);
 unsigned warpath_occluded16(const WarpathAccel *accel, const float *rays, unsigned active, int coherent);
 
+/* The floor for benchmarks: puts `packets` packets of n rays, `stride` floats apart, into Embree's own layout
+ * and width, then times one pass over them. Seconds, or a negative number if there is no memory. */
+double warpath_floor(const WarpathAccel *accel, const float *rays, unsigned n, unsigned stride,
+                     unsigned packets, int coherent, unsigned long long *hits);
+
 #endif

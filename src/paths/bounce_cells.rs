@@ -22,7 +22,7 @@ use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::Coherence;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
-use crate::warp::resolve::{Between, between};
+use crate::warp::resolve::{Unresolved, between};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
 
@@ -229,12 +229,9 @@ impl Finder<'_> {
         for (i, pair) in points.windows(2).enumerate() {
             let arc = Arc { origin, a: pair[0].0, b: pair[1].0 };
             let choice = choice(2 + i as u32) as f64;
-            match between(self.tracer.geometry, self.adjacency, &arc, pair[0].1, pair[1].1, choice) {
-                Between::Nothing => {}
-                Between::Crease { boundary, s } => found.push((boundary, arc, s, 1)),
-                Between::Silhouette(fold) => found.push((Boundary::Edge(fold.edge), arc, fold.s, 1)),
-                Between::Ridge { fold, count } => found.push((Boundary::Edge(fold.edge), arc, fold.s, count)),
-                Between::Unresolved => self.counts.unresolved += 1,
+            match between(self.tracer.geometry, self.adjacency, &arc, [pair[0].1, pair[1].1], choice, 2.0 * PROBE) {
+                Ok(crossings) => found.extend(crossings.into_iter().flatten().map(|c| (c.boundary, arc, c.s, c.count))),
+                Err(Unresolved) => self.counts.unresolved += 1,
             }
         }
         // Look on both sides of each silhouette: the jump is taken where it is, not at the ends of the cell.

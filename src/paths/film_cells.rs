@@ -18,8 +18,8 @@ use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3};
-use crate::warp::resolve::{Between, between};
-use crate::warp::walk::{Arc, Fold};
+use crate::warp::resolve::{Crossing, Unresolved, between};
+use crate::warp::walk::Arc;
 use glam::Vec3;
 
 /// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
@@ -61,8 +61,12 @@ pub fn find(
                 let (a, b) = (image.triangle[at], image.triangle[at + stride]);
                 if inner && a != b && moves(a, b) {
                     let choice = tile.stream.uniform(CHOICE + (axis * columns * rows + at) as u32) as f64;
-                    let cell = candidate(tracer, adjacency, tile, [column, row], axis, [a, b], choice, counts);
-                    candidates.extend(cell);
+                    let start = [tile.position(0, column), tile.position(1, row)];
+                    let cell = Cell { tracer, adjacency, tile, start, axis };
+                    match cell.crossings([a, b], choice) {
+                        Ok(found) => candidates.extend(found.into_iter().flatten()),
+                        Err(Unresolved) => counts.unresolved += 1,
+                    }
                 }
             }
         }
@@ -73,36 +77,38 @@ pub fn find(
 /// Dimensions from here on choose among several edges in a cell.
 const CHOICE: u32 = 16;
 
-/// What lies in one cell.
-#[allow(clippy::too_many_arguments)]
-fn candidate(
-    tracer: &Tracer,
-    adjacency: &Adjacency,
-    tile: &Tile,
-    [column, row]: [usize; 2],
+/// How far beside a silhouette the probes of a cell look, in pixels.
+fn beside(tile: &Tile, axis: usize) -> f64 {
+    PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
+}
+
+/// The interval between two neighbours.
+struct Cell<'a> {
+    tracer: &'a Tracer<'a>,
+    adjacency: &'a Adjacency,
+    tile: &'a Tile,
+    start: [f64; 2],
     axis: usize,
-    [a, b]: [u32; 2],
-    choice: f64,
-    counts: &mut Counts,
-) -> Option<Candidate> {
-    let start = [tile.position(0, column), tile.position(1, row)];
-    let mut end = start;
-    end[axis] += tile.step[axis];
-    let direction = |[u, v]: [f64; 2]| dvec3(tracer.camera.direction(u, v));
-    let arc = Arc { origin: tracer.camera.origin.as_dvec3(), a: direction(start), b: direction(end) };
-    let (boundary, s, count) = match between(tracer.geometry, adjacency, &arc, a, b, choice) {
-        Between::Nothing => return None,
-        Between::Unresolved => {
-            counts.unresolved += 1;
-            return None;
-        }
-        Between::Crease { boundary, s } => (boundary, s, 1),
-        Between::Silhouette(fold) => (Boundary::Edge(fold.edge), fold.s, 1),
-        Between::Ridge { fold: Fold { edge, s, .. }, count } => (Boundary::Edge(edge), s, count),
-    };
-    let mut at = start;
-    at[axis] += s * tile.step[axis];
-    tile.contains(at[0], at[1]).then_some(Candidate { boundary, axis, at, count })
+}
+
+impl Cell<'_> {
+    /// What lies between the triangles seen at its ends, as far as it lies in the tile.
+    fn crossings(&self, triangles: [u32; 2], choice: f64) -> Result<[Option<Candidate>; 2], Unresolved> {
+        let camera = &self.tracer.camera;
+        let axis = self.axis;
+        let direction = |along: f64| {
+            let mut at = self.start;
+            at[axis] += along * self.tile.step[axis];
+            (at, dvec3(camera.direction(at[0], at[1])))
+        };
+        let arc = Arc { origin: camera.origin.as_dvec3(), a: direction(0.0).1, b: direction(1.0).1 };
+        let found = between(self.tracer.geometry, self.adjacency, &arc, triangles, choice, 2.0 * beside(self.tile, axis) / self.tile.step[axis])?;
+        Ok(found.map(|crossing| {
+            let Crossing { boundary, s, count } = crossing?;
+            let (at, _) = direction(s);
+            self.tile.contains(at[0], at[1]).then_some(Candidate { boundary, axis, at, count })
+        }))
+    }
 }
 
 /// Looks on both sides of each candidate; those without a jump are dropped.
@@ -112,7 +118,7 @@ fn probe(tracer: &Tracer, tile: &Tile, candidates: &[Candidate], counts: &mut Co
         let mut directions = [Vec3::Z; LANES];
         for (i, candidate) in group.iter().enumerate() {
             let axis = candidate.axis;
-            let beside = PROBE_PIXELS.min(PROBE_CELL * tile.step[axis]);
+            let beside = beside(tile, axis);
             for (k, side) in [-beside, beside].into_iter().enumerate() {
                 let mut at = candidate.at;
                 at[axis] += side;

@@ -4,7 +4,7 @@ use super::tracer::{Counts, Surface, Tracer, lane_of};
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::{Coherence, Hits, MISS, Rays};
 use crate::warp::adjacency::Adjacency;
-use crate::warp::walk::{Arc, Fold, Walk, walk};
+use crate::warp::walk::{Arc, Fold, Reservoir, Walk, walk};
 use glam::{DVec3, Vec3};
 
 /// How far beyond a silhouette the probe looks, as a fraction of the cell.
@@ -60,7 +60,7 @@ pub fn follow_occluders(
             return None;
         }
         let arc = Arc { origin, a: direction(at), b: direction(to) };
-        let Walk::Fold(fold) = walk(tracer.geometry, adjacency, &arc, triangle, NO_TRIANGLE, 0.0) else { return None };
+        let Walk::Fold(fold) = walk(tracer.geometry, adjacency, &arc, [triangle, NO_TRIANGLE], 1.0, &mut Reservoir::closed()) else { return None };
         let crossing = at + fold.s.max(0.0) * (to - at);
         at = crossing + PROBE * (to - from);
         let is_past_end = (to - at) * (to - from) <= 0.0;

@@ -1,13 +1,11 @@
-//! The safe side of `ffi/embree_shim.h`: the only `unsafe` code of the crate.
+//! The safe side of `ffi/embree_shim.h`.
 
-use super::packet::{Coherence, Hits, Rays};
+use super::{
+    ffi,
+    packet::{Coherence, Hits, Rays},
+};
 use glam::Vec3;
 use std::{ffi::CStr, ptr::NonNull};
-
-#[allow(non_camel_case_types, dead_code, clippy::all, missing_docs)]
-mod ffi {
-    include!(concat!(env!("OUT_DIR"), "/embree_shim.rs"));
-}
 
 /// A triangle mesh to be traced; copied when an [`Accel`] is built or refitted.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +75,7 @@ pub enum TraceError {
 
 /// Triangles in an order that rays find fast. Built by Embree, which keeps copies of the meshes.
 pub struct Accel {
-    raw: NonNull<ffi::WarpathAccel>,
+    pub(super) raw: NonNull<ffi::WarpathAccel>,
     /// Vertices and triangles of each mesh: what a refit must match.
     counts: Vec<(usize, usize)>,
 }
@@ -125,7 +123,7 @@ impl Accel {
 
     /// Follows moved vertices; `meshes` must be those of [`Accel::build`] but for their positions.
     ///
-    /// The first refit builds the meshes anew, later ones only move boxes: some twenty times faster than
+    /// The first refit builds the meshes anew, later ones only move boxes: some fifteen times faster than
     /// building, and slower to trace the farther vertices went. After an error the accel holds no useful
     /// scene: drop it or refit it again.
     pub fn refit(&mut self, meshes: &[MeshView]) -> Result<(), TraceError> {

@@ -7,71 +7,92 @@
 
 use super::adjacency::Adjacency;
 use super::boundary::Boundary;
-use super::walk::{Arc, Fold, Walk, walk};
+use super::walk::{Arc, Fold, Reservoir, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 
-/// What lies between two rays.
+/// A boundary between two rays.
 #[derive(Clone, Copy, Debug)]
-pub enum Between {
-    /// One connected surface, or nothing at all.
-    Nothing,
-    Silhouette(Fold),
-    /// One of `count` edges of a flat-shaded surface that both rays see, across which its shading jumps.
-    Ridge { fold: Fold, count: u32 },
-    /// Two surfaces that pass through each other, at parameter `s` of the arc.
-    Crease { boundary: Boundary, s: f64 },
-    /// There must be something, and it was not found.
-    Unresolved,
+pub struct Crossing {
+    pub boundary: Boundary,
+    /// Parameter of the arc.
+    pub s: f64,
+    /// How many of its kind it stands for.
+    pub count: u32,
 }
 
-impl Between {
-    fn silhouette(fold: Fold, from_end: bool) -> Self {
-        Between::Silhouette(seen_from_start(fold, from_end))
-    }
+/// There must be a silhouette between two rays, and it was not found.
+#[derive(Clone, Copy, Debug)]
+pub struct Unresolved;
 
-    fn ridge(geometry: &Geometry, triangle: u32, ridge: Option<(Fold, u32)>, from_end: bool) -> Self {
-        let smooth = geometry.smooth[geometry.mesh_of_triangle[triangle as usize] as usize];
-        match ridge {
-            Some((fold, count)) if !smooth => Between::Ridge { fold: seen_from_start(fold, from_end), count },
-            _ => Between::Nothing,
-        }
-    }
-}
-
-fn seen_from_start(fold: Fold, from_end: bool) -> Fold {
-    let s = if from_end { 1.0 - fold.s } else { fold.s };
-    Fold { s: s.clamp(0.0, 1.0), ..fold }
-}
-
-/// What lies between two rays that both look for the nearest surface; [`NO_TRIANGLE`] for a ray that hit none.
-/// `choice` in [0, 1) picks among several edges.
-pub fn between(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, a: u32, b: u32, choice: f64) -> Between {
+/// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
+/// silhouette, if they see different surfaces, and an edge of the flat-shaded surfaces on either side of it, across which
+/// their shading jumps. Of several such edges `choice` in [0, 1) picks one, and those
+/// nearer to the next than `gap` (in parameters of the arc) are taken as one with it.
+pub fn between(
+    geometry: &Geometry,
+    adjacency: &Adjacency,
+    arc: &Arc,
+    [a, b]: [u32; 2],
+    choice: f64,
+    gap: f64,
+) -> Result<[Option<Crossing>; 2], Unresolved> {
     if a == b {
-        return Between::Nothing;
+        return Ok([None, None]);
     }
-    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, a, b, choice));
-    if let Some(Walk::Reached(ridge)) = from_a {
-        return Between::ridge(geometry, a, ridge, false);
+    let back = arc.reversed();
+    let is_flat = |t: u32| t != NO_TRIANGLE && !geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize];
+    let reservoir = |t: u32| if is_flat(t) { Reservoir::new(choice, gap) } else { Reservoir::closed() };
+
+    let mut ridges = reservoir(a);
+    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, [a, b], 1.0, &mut ridges));
+    if let Some(Walk::Reached) = from_a {
+        return Ok([None, ridges.crossing()]);
     }
-    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &arc.reversed(), b, a, choice));
-    match (from_a, from_b) {
-        (_, Some(Walk::Reached(ridge))) => Between::ridge(geometry, b, ridge, true),
+    let mut ridges = reservoir(b);
+    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &back, [b, a], 1.0, &mut ridges));
+    let silhouette = match (from_a, from_b) {
+        (_, Some(Walk::Reached)) => return Ok([None, ridges.turned().crossing()]),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
-            if distance(&f) <= distance(&g) { Between::silhouette(f, false) } else { Between::silhouette(g, true) }
+            if distance(&f) <= distance(&g) { f } else { g.turned() }
         }
-        (Some(Walk::Fold(f)), _) => Between::silhouette(f, false),
-        (_, Some(Walk::Fold(g))) => Between::silhouette(g, true),
-        (Some(Walk::Continues), Some(Walk::Continues)) => crease(geometry, arc, a, b),
-        _ => Between::Unresolved,
+        (Some(Walk::Fold(f)), _) => f,
+        (_, Some(Walk::Fold(g))) => g.turned(),
+        (Some(Walk::Continues), Some(Walk::Continues)) => {
+            return crease(geometry, arc, a, b).map(|crossing| [Some(crossing), None]);
+        }
+        _ => return Err(Unresolved),
+    };
+
+    // The ridges up to the silhouette on the side of a, and from there on on the side of b.
+    let mut ridges = Reservoir::new(choice, gap);
+    if is_flat(b) {
+        walk(geometry, adjacency, &back, [b, NO_TRIANGLE], 1.0 - silhouette.s, &mut ridges);
+    }
+    ridges = ridges.turned();
+    if is_flat(a) {
+        walk(geometry, adjacency, arc, [a, NO_TRIANGLE], silhouette.s, &mut ridges);
+    }
+    Ok([Some(Crossing::of(silhouette, 1)), ridges.crossing()])
+}
+
+impl Crossing {
+    fn of(fold: Fold, count: u32) -> Self {
+        Self { boundary: Boundary::Edge(fold.edge), s: fold.s.clamp(0.0, 1.0), count }
+    }
+}
+
+impl Reservoir {
+    fn crossing(self) -> Option<Crossing> {
+        self.chosen.map(|fold| Crossing::of(fold, self.count))
     }
 }
 
 /// The line in which the planes of triangles `a` and `b` meet, if it passes between the rays.
-fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Between {
+fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Unresolved> {
     let boundary = Boundary::Crease([a, b].map(|t| geometry.triangles[t as usize]));
     let c = boundary.normal(geometry, arc.origin);
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
     let s = at_a / (at_a - at_b);
-    if (0.0..=1.0).contains(&s) { Between::Crease { boundary, s } } else { Between::Unresolved }
+    if (0.0..=1.0).contains(&s) { Ok(Crossing { boundary, s, count: 1 }) } else { Err(Unresolved) }
 }

@@ -10,7 +10,7 @@
 //! vertices alone and are the same from both sides of an edge.
 
 use super::adjacency::Adjacency;
-use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
 /// Triangles crossed before a walk is given up. An arc of the image that is longer than that in triangles
@@ -30,15 +30,21 @@ pub struct Fold {
     pub point: DVec3,
 }
 
+impl Fold {
+    /// Seen from the arc's other end.
+    pub fn turned(self) -> Self {
+        Self { s: 1.0 - self.s, ..self }
+    }
+}
+
 /// What a walk from a's hit toward b came to.
 #[derive(Clone, Copy, Debug)]
 pub enum Walk {
     /// The silhouette was reached before the arc's end.
     Fold(Fold),
-    /// The triangle that was asked for was reached: both rays see one connected surface. With one of the edges that were
-    /// crossed at which the surface bends, and their number: there the normals of a flat-shaded mesh jump.
-    Reached(Option<(Fold, u32)>),
-    /// The surface continues beyond the arc's end.
+    /// The triangle that was asked for was reached: both rays see one connected surface.
+    Reached,
+    /// The surface continues beyond the limit.
     Continues,
     /// Rounding or a degenerate triangle stopped the walk, or it was too long.
     Lost,
@@ -65,8 +71,8 @@ impl Arc {
 }
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
-/// `goal`. `choice` in [0, 1) picks among the edges that the walk crosses.
-pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, goal: u32, choice: f64) -> Walk {
+/// `goal`, up to parameter `limit` (1: all the way). Edges at which the surface bends on the way are shown to `ridges`.
+pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, [start, goal]: [u32; 2], limit: f64, ridges: &mut Reservoir) -> Walk {
     let normal = arc.a.cross(arc.b);
     let corners = |t: u32| geometry.triangles[t as usize];
     let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
@@ -78,7 +84,6 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
     let mut triangle = start;
     let mut facing = faces(start);
     let mut entered_by = None;
-    let mut ridges = Ridges { chosen: None, count: 0, choice };
     for _ in 0..MAX_STEPS {
         let vertices = corners(triangle);
         let points = vertices.map(position);
@@ -99,21 +104,27 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
         }
         let Some((corner, toward_b, along, point)) = exit else { return Walk::Lost };
         let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
-        if s >= 1.0 {
+        if s >= limit {
+            ridges.settle(limit);
             return Walk::Continues;
         }
         let edge = [vertices[corner], vertices[(corner + 1) % 3]];
         let fold = Fold { edge, s, along, point: point + arc.origin };
-        let Some(across) = adjacency.across(triangle, corner) else { return Walk::Fold(fold) };
+        let Some(across) = adjacency.across(triangle, corner) else {
+            ridges.settle(s);
+            return Walk::Fold(fold);
+        };
         facing ^= across.flipped;
         if faces(across.triangle) != facing {
+            ridges.settle(s);
             return Walk::Fold(fold);
         }
-        if goal != NO_TRIANGLE && bend(points, corners(across.triangle).map(position)) > FLAT {
+        if ridges.is_open() && bend(points, corners(across.triangle).map(position)) > FLAT {
             ridges.meet(fold);
         }
         if across.triangle == goal {
-            return Walk::Reached(ridges.chosen.map(|fold| (fold, ridges.count)));
+            ridges.settle(1.0 + ridges.gap);
+            return Walk::Reached;
         }
         triangle = across.triangle;
         entered_by = Some(across.corner);
@@ -121,23 +132,58 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, start: u32, g
     Walk::Lost
 }
 
-/// One edge out of a stream of unknown length, each with the same chance (a reservoir of one whose random number is
+/// One crossing out of a stream of unknown length, each with the same chance (a reservoir of one, whose random number is
 /// stretched after each decision).
-struct Ridges {
-    chosen: Option<Fold>,
-    count: u32,
-    choice: f64,
+pub struct Reservoir {
+    pub chosen: Option<Fold>,
+    pub count: u32,
+    /// In [0, 1); `None` if nothing is to be collected.
+    choice: Option<f64>,
+    /// Crossings nearer than this to the next one are left out: who looks beside the next one sees both.
+    gap: f64,
+    pending: Option<Fold>,
 }
 
-impl Ridges {
+impl Reservoir {
+    /// Collects crossings that are at least `gap` apart; `choice` is uniform in [0, 1).
+    pub fn new(choice: f64, gap: f64) -> Self {
+        Self { chosen: None, count: 0, choice: Some(choice), gap, pending: None }
+    }
+
+    /// Takes nothing.
+    pub fn closed() -> Self {
+        Self { chosen: None, count: 0, choice: None, gap: 0.0, pending: None }
+    }
+
+    /// The same choice, seen from the arc's other end.
+    pub fn turned(mut self) -> Self {
+        self.chosen = self.chosen.map(Fold::turned);
+        self
+    }
+
+    fn is_open(&self) -> bool {
+        self.choice.is_some()
+    }
+
+    /// Offers a crossing.
     fn meet(&mut self, fold: Fold) {
+        self.settle(fold.s);
+        self.pending = Some(fold);
+    }
+
+    /// Decides about the crossing offered last, now that the next one is known to be at `s`.
+    fn settle(&mut self, s: f64) {
+        let (Some(fold), Some(choice)) = (self.pending.take(), &mut self.choice) else { return };
+        if s - fold.s < self.gap {
+            return;
+        }
         self.count += 1;
         let chance = 1.0 / self.count as f64;
-        if self.choice < chance {
+        if *choice < chance {
             self.chosen = Some(fold);
-            self.choice /= chance;
+            *choice /= chance;
         } else {
-            self.choice = (self.choice - chance) / (1.0 - chance);
+            *choice = (*choice - chance) / (1.0 - chance);
         }
     }
 }

@@ -1,8 +1,10 @@
 use super::*;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use shapes::{Random, Shape, icosphere, soup};
 
-#[path = "../../tests/common/shapes.rs"]
+mod brute_force;
+mod edges;
+#[path = "../../../tests/common/shapes.rs"]
 mod shapes;
 
 const BOTH: [Coherence; 2] = [Coherence::Coherent, Coherence::Incoherent];
@@ -32,64 +34,6 @@ fn every_way() -> Vec<AccelOptions> {
     ways
 }
 
-/// What brute force in f64 finds, and whether rounding to f32 could change it.
-struct Truth {
-    t: f64,
-    u: f64,
-    v: f64,
-    mesh: u32,
-    triangle: u32,
-    certain: bool,
-}
-
-fn brute_force(shapes: &[Shape], origin: Vec3, direction: Vec3, tnear: f32, tfar: f32) -> Truth {
-    let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
-    let mut best = Truth {
-        t: f64::INFINITY,
-        u: 0.0,
-        v: 0.0,
-        mesh: MISS,
-        triangle: MISS,
-        certain: true,
-    };
-    let mut doubtful = f64::INFINITY;
-    for (mesh, (positions, triangles)) in shapes.iter().enumerate() {
-        for (triangle, corners) in triangles.iter().enumerate() {
-            let [a, b, c] = corners.map(|i| positions[i as usize].as_dvec3());
-            let (e1, e2): (DVec3, DVec3) = (b - a, c - a);
-            let p = d.cross(e2);
-            let det = e1.dot(p);
-            let s = o - a;
-            let q = s.cross(e1);
-            let (u, v, t) = (s.dot(p) / det, d.dot(q) / det, e2.dot(q) / det);
-            let margin = u.min(v).min(1.0 - u - v);
-            let flat = det.abs() < 1e-3 * e1.length() * e2.length() * d.length();
-            let at_end = (t - f64::from(tnear)).abs() < 1e-4 || (t - f64::from(tfar)).abs() < 1e-4;
-            if t > f64::from(tnear) - 1e-3 && margin > -1e-3 && (margin < 1e-3 || flat || at_end) {
-                doubtful = doubtful.min(t);
-            }
-            if margin >= 0.0 && t >= f64::from(tnear) && t <= f64::from(tfar) {
-                if (t - best.t).abs() < 1e-4 {
-                    doubtful = doubtful.min(t);
-                }
-                if t < best.t {
-                    let (mesh, triangle) = (mesh as u32, triangle as u32);
-                    best = Truth {
-                        t,
-                        u,
-                        v,
-                        mesh,
-                        triangle,
-                        certain: true,
-                    };
-                }
-            }
-        }
-    }
-    best.certain = doubtful == f64::INFINITY || doubtful > best.t + 1e-3;
-    best
-}
-
 fn random_rays<const N: usize>(random: &mut Random, coherent: bool) -> Rays<N> {
     let mut rays = Rays::default();
     let (origin, axis) = (2.0 * random.cube(), random.direction());
@@ -115,77 +59,6 @@ fn random_rays<const N: usize>(random: &mut Random, coherent: bool) -> Rays<N> {
         }
     }
     rays
-}
-
-fn agrees_with_brute_force<const N: usize>() {
-    let mut random = Random::new(N as u64);
-    let shapes = [
-        soup(&mut random, 150, 0.3),
-        (vec![], vec![]),
-        soup(&mut random, 60, 0.5),
-    ];
-    for options in every_way() {
-        let accel = Accel::build(&views(&shapes), options).unwrap();
-        let (mut hit, mut certain) = (0, 0);
-        for packet in 0..48 {
-            let rays = random_rays::<N>(&mut random, packet % 2 == 0);
-            for coherence in BOTH {
-                let mut hits = Hits::default();
-                accel.intersect(&rays, all_lanes::<N>(), &mut hits, coherence);
-                let blocked = accel.occluded(&rays, all_lanes::<N>(), coherence);
-                for i in 0..N {
-                    let truth = brute_force(
-                        &shapes,
-                        rays.origin(i),
-                        rays.direction(i),
-                        rays.tnear[i],
-                        rays.tfar[i],
-                    );
-                    assert_eq!(
-                        blocked >> i & 1 == 1,
-                        hits.mesh[i] != MISS,
-                        "occlusion, {options:?}"
-                    );
-                    if !truth.certain {
-                        continue;
-                    }
-                    certain += 1;
-                    assert_eq!(
-                        (hits.mesh[i], hits.triangle[i]),
-                        (truth.mesh, truth.triangle),
-                        "{options:?}"
-                    );
-                    if truth.mesh == MISS {
-                        assert_eq!((hits.t[i], hits.u[i], hits.v[i]), (f32::INFINITY, 0.0, 0.0));
-                        continue;
-                    }
-                    hit += 1;
-                    let far = |a: f32, b: f64| (f64::from(a) - b).abs();
-                    assert!(far(hits.t[i], truth.t) < 1e-4, "{} {}", hits.t[i], truth.t);
-                    assert!(far(hits.u[i], truth.u) < 1e-3 && far(hits.v[i], truth.v) < 1e-3);
-                }
-            }
-        }
-        assert!(certain > 90 * N, "too few certain rays: {certain}");
-        assert!(hit > 10 * N, "too few hits: {hit}");
-    }
-}
-
-#[test]
-fn one_ray_agrees_with_brute_force() {
-    agrees_with_brute_force::<1>();
-}
-#[test]
-fn packets_of_4_agree_with_brute_force() {
-    agrees_with_brute_force::<4>();
-}
-#[test]
-fn packets_of_8_agree_with_brute_force() {
-    agrees_with_brute_force::<8>();
-}
-#[test]
-fn packets_of_16_agree_with_brute_force() {
-    agrees_with_brute_force::<16>();
 }
 
 #[test]
@@ -301,53 +174,6 @@ fn refit_refuses_another_topology() {
         Err(TraceError::Topology(_))
     ));
     assert!(matches!(accel.refit(&[]), Err(TraceError::Topology(_))));
-}
-
-/// Rays from within a closed sphere at its vertices and at points of its edges: how many of each there
-/// were and how many got out.
-fn leaks(robust: bool, coherence: Coherence) -> [(usize, usize); 2] {
-    let mut random = Random::new(5);
-    let shape = icosphere(4, Vec3::new(0.3, -0.2, 0.1), 1.0);
-    let options = AccelOptions::new(robust, 1);
-    let accel = Accel::build(&views(std::slice::from_ref(&shape)), options).unwrap();
-    let (positions, triangles) = &shape;
-    let mut counts = [(0, 0); 2];
-    for round in 0..40 {
-        let origin = Vec3::new(0.3, -0.2, 0.1) + 0.5 * random.cube();
-        for chunk in triangles.chunks_exact(16) {
-            let mut rays = Rays::<16>::default();
-            for (lane, corners) in chunk.iter().enumerate() {
-                let [a, b, _] = corners.map(|i| positions[i as usize]);
-                let along = if round % 2 == 0 { 0.0 } else { random.unit() };
-                rays.set(lane, origin, a.lerp(b, along) - origin, 0.0, f32::INFINITY);
-            }
-            let mut hits = Hits::default();
-            accel.intersect(&rays, all_lanes::<16>(), &mut hits, coherence);
-            let out = hits.mesh.iter().filter(|m| **m == MISS).count();
-            let blocked = accel.occluded(&rays, all_lanes::<16>(), coherence);
-            if robust {
-                assert_eq!(out, blocked.count_zeros() as usize - 16);
-            }
-            counts[round % 2].0 += 16;
-            counts[round % 2].1 += out;
-        }
-    }
-    counts
-}
-
-#[test]
-fn robust_mode_does_not_leak_through_edges() {
-    for coherence in BOTH {
-        let [(rays, vertices), (_, edges)] = leaks(true, coherence);
-        assert_eq!(edges, 0);
-        // Embree's robust test is not tight at a vertex that is hit to the last bit: 0.4 % get out.
-        assert!(vertices < rays / 100, "{vertices} of {rays}");
-        let [(rays, vertices), (_, edges)] = leaks(false, coherence);
-        assert!(
-            vertices > rays / 20 && edges > rays / 100,
-            "these rays would leak: {vertices} {edges}"
-        );
-    }
 }
 
 #[test]

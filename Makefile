@@ -1,0 +1,40 @@
+# Each of these is one command from a fresh clone on Debian 12 or 13; see scripts/setup for what is installed.
+
+# A shell opened before Rust was installed does not know its folder yet.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+
+CARGO_RUN = cargo run --release --locked --quiet --
+DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
+
+.PHONY: help deps demo test test-long bench test-debian13
+
+help:
+	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
+	@echo "make test           the tests"
+	@echo "make test-long      the tests, and those that take long"
+	@echo "make bench          speed, on this machine"
+	@echo "make test-debian13  the tests against Debian 13's Embree 4, in a chroot"
+	@echo "make deps           only install what the others need"
+
+deps:
+	@scripts/setup
+
+demo: deps
+	$(CARGO_RUN) $(DEMO) -o out/demo
+	$(CARGO_RUN) $(DEMO) --method fd -o out/demo-fd
+	@echo
+	@echo "The gradient of the picture as the occluder moves is in out/demo,"
+	@echo "the finite differences to compare it with are in out/demo-fd:"
+	@ls out/demo/*.png out/demo-fd/*.png 2>/dev/null || ls out/demo out/demo-fd
+
+test: deps
+	cargo test --release --locked
+
+test-long: deps
+	cargo test --release --locked --features long-tests
+
+bench: deps
+	cargo bench --locked
+
+test-debian13:
+	scripts/test-debian13

@@ -1,0 +1,112 @@
+//! Makes the meshes of `scenes/`: `cargo run --release --example make_meshes -- scenes/meshes`.
+
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+type Point = [f64; 3];
+
+fn main() -> std::io::Result<()> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes/meshes".into()));
+    std::fs::create_dir_all(&folder)?;
+    write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
+    write_binary(&folder.join("ring.ply"), &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]))?;
+    write_ascii(&folder.join("wedge.ply"), &wedge())
+}
+
+struct Mesh {
+    points: Vec<Point>,
+    triangles: Vec<[usize; 3]>,
+}
+
+/// A trefoil knot that fits into the unit ball.
+fn trefoil(t: f64) -> Point {
+    let radius = 2.0 + (3.0 * t).cos();
+    [radius * (2.0 * t).cos(), radius * (2.0 * t).sin(), (3.0 * t).sin()].map(|x| x / 3.2)
+}
+
+/// A closed tube around `curve`, which goes once round for t from 0 to 2π, shut with `along`·`around` quadrilaterals.
+fn tube(along: usize, around: usize, thickness: f64, curve: impl Fn(f64) -> Point) -> Mesh {
+    let mut points = Vec::new();
+    for i in 0..along {
+        let t = TAU * i as f64 / along as f64;
+        let centre = curve(t);
+        let tangent = unit(minus(curve(t + 1e-4), curve(t - 1e-4)));
+        // The direction from the axis stands for the frame: it closes where the curve does.
+        let outward = unit(minus(centre, [0.0, 0.0, 0.3 * centre[2]]));
+        let side = unit(cross(tangent, outward));
+        let up = cross(side, tangent);
+        for k in 0..around {
+            let (sin, cos) = (TAU * k as f64 / around as f64).sin_cos();
+            points.push(std::array::from_fn(|c| centre[c] + thickness * (cos * up[c] + sin * side[c])));
+        }
+    }
+    let at = |i: usize, k: usize| (i % along) * around + k % around;
+    let mut triangles = Vec::new();
+    for i in 0..along {
+        for k in 0..around {
+            let (a, b, c, d) = (at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1));
+            triangles.extend([[a, c, b], [a, d, c]]);
+        }
+    }
+    Mesh { points, triangles }
+}
+
+/// A prism over a right triangle: sharp edges, flat sides.
+fn wedge() -> Mesh {
+    let points = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]]
+        .into_iter()
+        .flat_map(|[x, z]| [[x, -1.0, z], [x, 1.0, z]])
+        .collect();
+    let triangles = vec![
+        [0, 2, 4], [1, 5, 3], [0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4], [4, 5, 1], [4, 1, 0],
+    ];
+    Mesh { points, triangles }
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: Point) -> Point {
+    let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    a.map(|x| x / length)
+}
+
+fn header(format: &str, mesh: &Mesh) -> String {
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.points.len(),
+        mesh.triangles.len()
+    )
+}
+
+fn write_binary(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
+    let mut bytes = header("binary_little_endian", mesh).into_bytes();
+    for x in mesh.points.iter().flatten() {
+        bytes.write_all(&(*x as f32).to_le_bytes())?;
+    }
+    for triangle in &mesh.triangles {
+        bytes.push(3);
+        for i in triangle {
+            bytes.write_all(&(*i as i32).to_le_bytes())?;
+        }
+    }
+    std::fs::write(path, bytes)
+}
+
+fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
+    let mut text = header("ascii", mesh);
+    for [x, y, z] in &mesh.points {
+        text += &format!("{x} {y} {z}\n");
+    }
+    for [a, b, c] in &mesh.triangles {
+        text += &format!("3 {a} {b} {c}\n");
+    }
+    std::fs::write(path, text)
+}
