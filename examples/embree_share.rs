@@ -27,10 +27,14 @@ const OWN: [(&str, &str); 5] = [
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    println!("| scene | Mrays | s | Mrays/s | bare loop: camera | shadow | bounce | any hit | same rays in the bare loop, Mrays/s | Embree's share |");
+    println!(
+        "| scene | Mrays | s | Mrays/s | bare loop: camera | shadow | bounce | any hit | same rays in the bare loop, Mrays/s | Embree's share |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     match arguments.as_slice() {
-        [] => OWN.iter().try_for_each(|(scene, direction)| measure(scene, direction, 64)),
+        [] => OWN
+            .iter()
+            .try_for_each(|(scene, direction)| measure(scene, direction, 64)),
         [scene, direction] => measure(scene, direction, 64),
         [scene, direction, spp] => measure(scene, direction, spp.parse()?),
         _ => Err("embree_share [SCENE.xml KEY=NUMBERS [SPP]]".into()),
@@ -50,7 +54,10 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
     let scene = scene::load(path, &[])?;
     let (key, numbers) = direction.split_once('=').ok_or("KEY=NUMBERS")?;
     let parameter = parameters::find(&scene, key)?;
-    let numbers: Vec<f32> = numbers.split(',').map(str::parse).collect::<std::result::Result<_, _>>()?;
+    let numbers: Vec<f32> = numbers
+        .split(',')
+        .map(str::parse)
+        .collect::<std::result::Result<_, _>>()?;
     let settings = Settings {
         spp,
         seed: 1,
@@ -63,7 +70,8 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         method: Method::Reparam,
         standard_error: true,
     };
-    let statistics = methods::forward(&scene, &settings, &[(parameter, numbers)], &Quiet)?.statistics;
+    let statistics =
+        methods::forward(&scene, &settings, &[(parameter, numbers)], &Quiet)?.statistics;
     let seconds = statistics.seconds["primal"];
     let total: u64 = statistics.rays.values().sum();
     let costs = Costs::measure(&scene)?;
@@ -94,8 +102,14 @@ struct Costs {
 
 impl Costs {
     fn measure(scene: &Scene) -> Result<Self> {
-        let views: Vec<MeshView> =
-            scene.meshes.iter().map(|m| MeshView { positions: &m.positions, triangles: &m.triangles }).collect();
+        let views: Vec<MeshView> = scene
+            .meshes
+            .iter()
+            .map(|m| MeshView {
+                positions: &m.positions,
+                triangles: &m.triangles,
+            })
+            .collect();
         let accel = Accel::build(&views, AccelOptions::new(true, 1))?;
         let geometry = Geometry::new(scene);
         let camera = camera_rays(scene);
@@ -106,8 +120,15 @@ impl Costs {
             let mut hits = Hits::<LANES>::default();
             accel.intersect(&packet.0, packet.1, &mut hits, Coherence::Coherent);
             for lane in (0..LANES).filter(|&l| hits.mesh[l] != MISS) {
-                let triangle = geometry.first_triangle[hits.mesh[lane] as usize] + hits.triangle[lane];
-                let (x, n) = surface(&geometry, triangle, packet.0.origin(lane), packet.0.direction(lane), hits.t[lane]);
+                let triangle =
+                    geometry.first_triangle[hits.mesh[lane] as usize] + hits.triangle[lane];
+                let (x, n) = surface(
+                    &geometry,
+                    triangle,
+                    packet.0.origin(lane),
+                    packet.0.direction(lane),
+                    hits.t[lane],
+                );
                 bounce.push(x, random.cosine(n), f32::INFINITY);
                 if let Some(y) = light_point(scene, &mut random) {
                     shadow.push(x, y - x, 1.0 - 1e-4);
@@ -121,8 +142,9 @@ impl Costs {
                 hits.mesh[0]
             })
         };
-        let occluded =
-            |packets: &Packets| packets.time(|rays, active| accel.occluded(rays, active, Coherence::Incoherent));
+        let occluded = |packets: &Packets| {
+            packets.time(|rays, active| accel.occluded(rays, active, Coherence::Incoherent))
+        };
         Ok(Self {
             camera: intersect(&camera, Coherence::Coherent),
             shadow: occluded(&shadow),
@@ -153,7 +175,11 @@ struct Packets(Vec<(Rays<LANES>, u32)>);
 
 impl Packets {
     fn push(&mut self, origin: Vec3, direction: Vec3, far: f32) {
-        if self.0.last().is_none_or(|p| p.1.count_ones() as usize == LANES) {
+        if self
+            .0
+            .last()
+            .is_none_or(|p| p.1.count_ones() as usize == LANES)
+        {
             self.0.push((Rays::default(), 0));
         }
         if let Some((rays, active)) = self.0.last_mut() {
@@ -168,7 +194,9 @@ impl Packets {
         let rays: u32 = self.0.iter().map(|p| p.1.count_ones()).sum();
         let pass = || {
             let start = Instant::now();
-            self.0.iter().for_each(|(rays, active)| _ = std::hint::black_box(query(rays, *active)));
+            self.0
+                .iter()
+                .for_each(|(rays, active)| _ = std::hint::black_box(query(rays, *active)));
             start.elapsed().as_secs_f64()
         };
         (0..5).map(|_| pass()).fold(f64::INFINITY, f64::min) / rays.max(1) as f64
@@ -190,7 +218,13 @@ fn camera_rays(scene: &Scene) -> Packets {
 }
 
 /// A point just off a surface, and its normal there, on the side that the ray came from.
-fn surface(geometry: &Geometry, triangle: u32, origin: Vec3, direction: Vec3, t: f32) -> (Vec3, Vec3) {
+fn surface(
+    geometry: &Geometry,
+    triangle: u32,
+    origin: Vec3,
+    direction: Vec3,
+    t: f32,
+) -> (Vec3, Vec3) {
     debug_assert_ne!(triangle, NO_TRIANGLE);
     let [a, b, c] = geometry.triangles[triangle as usize].map(|v| geometry.positions[v as usize]);
     let n = (b - a).cross(c - a).normalize();

@@ -10,7 +10,10 @@ fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes/meshes".into()));
     std::fs::create_dir_all(&folder)?;
     write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
-    write_binary(&folder.join("ring.ply"), &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]))?;
+    write_binary(
+        &folder.join("ring.ply"),
+        &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]),
+    )?;
     write_ascii(&folder.join("wedge.ply"), &wedge())
 }
 
@@ -22,7 +25,12 @@ struct Mesh {
 /// A trefoil knot that fits into the unit ball.
 fn trefoil(t: f64) -> Point {
     let radius = 2.0 + (3.0 * t).cos();
-    [radius * (2.0 * t).cos(), radius * (2.0 * t).sin(), (3.0 * t).sin()].map(|x| x / 3.2)
+    [
+        radius * (2.0 * t).cos(),
+        radius * (2.0 * t).sin(),
+        (3.0 * t).sin(),
+    ]
+    .map(|x| x / 3.2)
 }
 
 /// A closed tube around `curve`, which goes once round for t from 0 to 2π, shut with `along`·`around` quadrilaterals.
@@ -38,7 +46,9 @@ fn tube(along: usize, around: usize, thickness: f64, curve: impl Fn(f64) -> Poin
         let up = cross(side, tangent);
         for k in 0..around {
             let (sin, cos) = (TAU * k as f64 / around as f64).sin_cos();
-            points.push(std::array::from_fn(|c| centre[c] + thickness * (cos * up[c] + sin * side[c])));
+            points.push(std::array::from_fn(|c| {
+                centre[c] + thickness * (cos * up[c] + sin * side[c])
+            }));
         }
     }
     let at = |i: usize, k: usize| (i % along) * around + k % around;
@@ -59,7 +69,14 @@ fn wedge() -> Mesh {
         .flat_map(|[x, z]| [[x, -1.0, z], [x, 1.0, z]])
         .collect();
     let triangles = vec![
-        [0, 2, 4], [1, 5, 3], [0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4], [4, 5, 1], [4, 1, 0],
+        [0, 2, 4],
+        [1, 5, 3],
+        [0, 1, 3],
+        [0, 3, 2],
+        [2, 3, 5],
+        [2, 5, 4],
+        [4, 5, 1],
+        [4, 1, 0],
     ];
     Mesh { points, triangles }
 }
@@ -69,7 +86,11 @@ fn minus(a: Point, b: Point) -> Point {
 }
 
 fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn unit(a: Point) -> Point {

@@ -28,7 +28,10 @@ fn citations_resolve() {
         }
     }
     for key in known {
-        assert!(cited.contains(key), "docs/references.bib: nothing cites [{key}]");
+        assert!(
+            cited.contains(key),
+            "docs/references.bib: nothing cites [{key}]"
+        );
     }
 }
 

@@ -35,7 +35,12 @@ impl Options {
                 "--peers" => options.peers = Some(value.into()),
                 "--scenes" => options.scenes = Some(list()),
                 "--filters" => options.filters = list(),
-                "--spp" => options.spp = list().iter().map(|s| s.parse()).collect::<std::result::Result<_, _>>()?,
+                "--spp" => {
+                    options.spp = list()
+                        .iter()
+                        .map(|s| s.parse())
+                        .collect::<std::result::Result<_, _>>()?
+                }
                 "--runs" => options.runs = value.parse::<usize>()?.max(5),
                 "--reference-spp" => options.reference_spp = value.parse()?,
                 "--reference-runs" => options.reference_runs = value.parse::<usize>()?.max(2),
@@ -62,7 +67,11 @@ pub struct Case {
 impl Case {
     /// What `-D rfilter=` takes.
     pub fn filter_plugin(&self) -> &str {
-        if self.filter == "gauss" { "gaussian" } else { &self.filter }
+        if self.filter == "gauss" {
+            "gaussian"
+        } else {
+            &self.filter
+        }
     }
 
     /// The best reparameterisation that the peers' figures have for this scene, and its efficiency.
@@ -72,7 +81,13 @@ impl Case {
         figures
             .iter()
             .filter(|f| f["scene"] == self.name.as_str())
-            .filter_map(|f| Some((f["integrator"].as_str()?, f["spp"].as_u64()?, f["eff_rel"].as_f64()?)))
+            .filter_map(|f| {
+                Some((
+                    f["integrator"].as_str()?,
+                    f["spp"].as_u64()?,
+                    f["eff_rel"].as_f64()?,
+                ))
+            })
             .filter(|(name, ..)| name.contains("reparam"))
             .max_by(|a, b| a.2.total_cmp(&b.2))
             .map(|(name, spp, efficiency)| (format!("{name}, {spp} spp"), efficiency))
@@ -81,20 +96,43 @@ impl Case {
 
 /// Scene, direction and tensor of this repository's own scenes.
 const OWN: [(&str, &str, &str); 5] = [
-    ("demo", "occluder.translation=1,0,0", "occluder.vertex_positions"),
-    ("silhouette", "ball.translation=1,0,0.3", "ball.vertex_positions"),
+    (
+        "demo",
+        "occluder.translation=1,0,0",
+        "occluder.vertex_positions",
+    ),
+    (
+        "silhouette",
+        "ball.translation=1,0,0.3",
+        "ball.vertex_positions",
+    ),
     ("camera", "cam.translation=1,0,0", "ball.vertex_positions"),
-    ("indirect", "ball.translation=1,0,0", "ball.vertex_positions"),
-    ("environment", "ring.translation=1,0,0", "ring.vertex_positions"),
+    (
+        "indirect",
+        "ball.translation=1,0,0",
+        "ball.vertex_positions",
+    ),
+    (
+        "environment",
+        "ring.translation=1,0,0",
+        "ring.vertex_positions",
+    ),
 ];
 
 /// All cases that the options ask for.
 pub fn all(options: &Options) -> Result<Vec<Case>> {
     let scenes = match &options.peers {
         Some(folder) => peers(folder)?,
-        None => OWN.map(|(name, direction, tensor)| own(name, direction, tensor)).into(),
+        None => OWN
+            .map(|(name, direction, tensor)| own(name, direction, tensor))
+            .into(),
     };
-    let wanted = |name: &str| options.scenes.as_ref().is_none_or(|s| s.iter().any(|s| s == name));
+    let wanted = |name: &str| {
+        options
+            .scenes
+            .as_ref()
+            .is_none_or(|s| s.iter().any(|s| s == name))
+    };
     let mut cases = Vec::new();
     for (name, scene, directions, tensor) in scenes.into_iter().filter(|s| wanted(&s.0)) {
         for filter in &options.filters {
@@ -114,25 +152,44 @@ pub fn all(options: &Options) -> Result<Vec<Case>> {
 type Scene = (String, PathBuf, Vec<String>, String);
 
 fn own(name: &str, direction: &str, tensor: &str) -> Scene {
-    (name.into(), Path::new("scenes").join(format!("{name}.xml")), vec![direction.into()], tensor.into())
+    (
+        name.into(),
+        Path::new("scenes").join(format!("{name}.xml")),
+        vec![direction.into()],
+        tensor.into(),
+    )
 }
 
 fn peers(folder: &Path) -> Result<Vec<Scene>> {
-    let list: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(folder.join("scenes.json"))?)?;
-    list.iter().map(|entry| peer(folder, entry).ok_or_else(|| format!("scenes.json: {entry}").into())).collect()
+    let list: Vec<Value> =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("scenes.json"))?)?;
+    list.iter()
+        .map(|entry| peer(folder, entry).ok_or_else(|| format!("scenes.json: {entry}").into()))
+        .collect()
 }
 
 fn peer(folder: &Path, entry: &Value) -> Option<Scene> {
     let mut directions = Vec::new();
     let mut tensor = "obj.vertex_positions".to_string();
     for motion in entry["motions"].as_array()? {
-        let id = ["shape", "sensor", "id"].iter().find_map(|k| motion[k].as_str()).unwrap_or("cam");
-        let numbers: Option<Vec<String>> =
-            motion["dir"].as_array()?.iter().map(|x| Some(x.as_f64()?.to_string())).collect();
+        let id = ["shape", "sensor", "id"]
+            .iter()
+            .find_map(|k| motion[k].as_str())
+            .unwrap_or("cam");
+        let numbers: Option<Vec<String>> = motion["dir"]
+            .as_array()?
+            .iter()
+            .map(|x| Some(x.as_f64()?.to_string()))
+            .collect();
         directions.push(format!("{id}.translation={}", numbers?.join(",")));
         if id != "cam" && directions.len() == 1 {
             tensor = format!("{id}.vertex_positions");
         }
     }
-    Some((entry["name"].as_str()?.into(), folder.join(entry["xml"].as_str()?), directions, tensor))
+    Some((
+        entry["name"].as_str()?.into(),
+        folder.join(entry["xml"].as_str()?),
+        directions,
+        tensor,
+    ))
 }

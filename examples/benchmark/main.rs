@@ -23,7 +23,9 @@ fn main() -> Result<()> {
     for case in cases::all(&options)? {
         if let Err(why) = tables.measure(&program, &case, &options) {
             eprintln!("{} ({}): left out: {why}", case.name, case.filter);
-            tables.left_out.push(format!("{} ({}): {why}", case.name, case.filter));
+            tables
+                .left_out
+                .push(format!("{} ({}): {why}", case.name, case.filter));
         }
     }
     tables.print(&options);
@@ -55,9 +57,13 @@ impl Tables {
                 accuracy.error, accuracy.spread, accuracy.bias, reference.error, accuracy.projection,
                 rays / 1e6, rays / runs[0].traced_seconds / 1e6, runs[0].peak_megabytes,
             ));
-            self.agreement.push(format!("{label} | {spp} | {}", accuracy.z_cells()));
+            self.agreement
+                .push(format!("{label} | {spp} | {}", accuracy.z_cells()));
             if let Some((name, rival)) = case.rival(options) {
-                self.rivals.push(format!("{label} | {spp} | {efficiency:.3e} | {name} | {rival:.3e} | {:.0}", efficiency / rival));
+                self.rivals.push(format!(
+                    "{label} | {spp} | {efficiency:.3e} | {name} | {rival:.3e} | {:.0}",
+                    efficiency / rival
+                ));
             }
         }
         let spp = options.spp[options.spp.len() / 2];
@@ -65,14 +71,20 @@ impl Tables {
         let wrong = Accuracy::new(&runs, &reference)?;
         self.interior.push(format!(
             "{label} | {spp} | {:.3} | {:+.3} | {:.4} | {}",
-            wrong.error, wrong.bias, wrong.projection, wrong.z_cells()
+            wrong.error,
+            wrong.bias,
+            wrong.projection,
+            wrong.z_cells()
         ));
         for &spp in &options.spp {
             let runs = program.backward(case, spp, options.runs, &reference)?;
             let seconds = median(runs.iter().map(|r| r.seconds));
             self.backward.push(format!(
                 "{label} | {} | {spp} | {seconds:.3} | {} | {:.3} | {:.3}",
-                case.tensor, runs[0].numbers, runs[0].relative_error, process::spread_over_error(&runs)
+                case.tensor,
+                runs[0].numbers,
+                runs[0].relative_error,
+                process::spread_over_error(&runs)
             ));
         }
         Ok(())
@@ -83,22 +95,39 @@ impl Tables {
             if rows.is_empty() {
                 return;
             }
-            println!("### {title}\n\n| {columns} |\n|{}", "---|".repeat(columns.split(" | ").count()));
+            println!(
+                "### {title}\n\n| {columns} |\n|{}",
+                "---|".repeat(columns.split(" | ").count())
+            );
             rows.iter().for_each(|row| println!("| {row} |"));
             println!();
         };
-        println!("{} runs a row; error, spread and bias relative to the RMS of the reference.\n", options.runs);
+        println!(
+            "{} runs a row; error, spread and bias relative to the RMS of the reference.\n",
+            options.runs
+        );
         let forward = "scene | filter | spp | s | error | spread | bias ± reference's | projection | 1/(error²·s) | Mrays | Mrays/s | MB";
         table("Forward: the gradient image", forward, &self.forward);
-        let z = "χ²/N | expected | \\|z\\| > 4 | expected | compared | certain differences | stated se";
-        table("Agreement, number by number", &format!("scene | filter | spp | {z}"), &self.agreement);
+        let z =
+            "χ²/N | expected | \\|z\\| > 4 | expected | compared | certain differences | stated se";
+        table(
+            "Agreement, number by number",
+            &format!("scene | filter | spp | {z}"),
+            &self.agreement,
+        );
         let interior = format!("scene | filter | spp | error | bias | projection | {z}");
-        table("What ignoring visibility gives (`--method interior`)", &interior, &self.interior);
+        table(
+            "What ignoring visibility gives (`--method interior`)",
+            &interior,
+            &self.interior,
+        );
         let backward = "scene | filter | parameter | spp | s | numbers | se/norm | spread/se";
         table("Backward: a linear loss", backward, &self.backward);
         let rivals = "scene | filter | spp | 1/(error²·s) | best reparameterisation of Mitsuba | its 1/(error²·s) | ratio";
         table("Against Mitsuba", rivals, &self.rivals);
-        self.left_out.iter().for_each(|case| println!("Left out: {case}"));
+        self.left_out
+            .iter()
+            .for_each(|case| println!("Left out: {case}"));
     }
 }
 

@@ -33,10 +33,18 @@ impl Reference {
             npy::write(&file(""), &shape, mean)?;
         }
         let (array, stderr) = (npy::read(&file(""))?, npy::read(&file(".stderr"))?.values);
-        let &[height, width, 3] = array.shape.as_slice() else { return Err("a reference that is no image".into()) };
+        let &[height, width, 3] = array.shape.as_slice() else {
+            return Err("a reference that is no image".into());
+        };
         let rms = rms(array.values.iter().map(|x| *x as f64));
         let error = self::rms(stderr.iter().filter(|e| e.is_finite()).map(|x| *x as f64)) / rms;
-        Ok(Self { values: array.values, stderr, size: [width, height], rms, error })
+        Ok(Self {
+            values: array.values,
+            stderr,
+            size: [width, height],
+            rms,
+            error,
+        })
     }
 }
 
@@ -45,7 +53,10 @@ type Averaged = (Vec<f32>, Vec<f32>, Vec<usize>);
 fn differences(program: &Program, case: &Case, options: &Options) -> Result<Averaged> {
     let (mut sum, mut variance, mut shape) = (Vec::new(), Vec::new(), Vec::new());
     for run in 1..=options.reference_runs {
-        eprintln!("{} ({}): reference, run {run} of {}", case.name, case.filter, options.reference_runs);
+        eprintln!(
+            "{} ({}): reference, run {run} of {}",
+            case.name, case.filter, options.reference_runs
+        );
         // Seeds that the runs to be judged do not use.
         let (array, stderr) = program.differences(case, options.reference_spp, 1_000_000 + run)?;
         sum.resize(array.values.len(), 0.0f64);
@@ -91,7 +102,8 @@ struct ZScores {
 impl Accuracy {
     pub fn new(runs: &[ForwardRun], reference: &Reference) -> Result<Self> {
         let n = runs.len() as f64;
-        let (mut squares, mut variance, mut left, mut product, mut stated) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut squares, mut variance, mut left, mut product, mut stated) =
+            (0.0, 0.0, 0.0, 0.0, 0.0);
         let freedom = n * GROUPS - 1.0;
         let mut z = ZScores {
             // Of a t-distributed number.
@@ -100,14 +112,20 @@ impl Accuracy {
             ..ZScores::default()
         };
         for (i, &truth) in reference.values.iter().enumerate() {
-            if runs.iter().any(|r| r.gradient.len() != reference.values.len()) {
+            if runs
+                .iter()
+                .any(|r| r.gradient.len() != reference.values.len())
+            {
                 return Err("its image is not of the reference's size".into());
             }
             let truth = truth as f64;
             let values = || runs.iter().map(|r| r.gradient[i] as f64);
             let mean = values().sum::<f64>() / n;
             let between = values().map(|x| (x - mean).powi(2)).sum::<f64>();
-            let within = runs.iter().map(|r| (r.stderr[i] as f64).powi(2)).sum::<f64>();
+            let within = runs
+                .iter()
+                .map(|r| (r.stderr[i] as f64).powi(2))
+                .sum::<f64>();
             squares += values().map(|x| (x - truth).powi(2)).sum::<f64>() / n;
             variance += between / (n - 1.0);
             stated += within / n;
@@ -115,7 +133,12 @@ impl Accuracy {
             product += mean * truth;
             // All groups of all runs together.
             let of_group = (between * GROUPS + within * GROUPS * (GROUPS - 1.0)) / freedom;
-            z.add(mean - truth, of_group / (n * GROUPS), reference.stderr[i] as f64, reference.rms);
+            z.add(
+                mean - truth,
+                of_group / (n * GROUPS),
+                reference.stderr[i] as f64,
+                reference.rms,
+            );
         }
         let count = reference.values.len() as f64;
         let scale = reference.rms * count.sqrt();
@@ -136,8 +159,13 @@ impl Accuracy {
         let n = z.compared.max(1) as f64;
         format!(
             "{:.3} | {:.3} | {:.4} % | {:.4} % | {} | {} | {:.3}",
-            z.squares / n, z.expected_square, 100.0 * z.beyond_4 as f64 / n, 100.0 * z.expected_beyond_4, z.compared,
-            z.certain, self.stated
+            z.squares / n,
+            z.expected_square,
+            100.0 * z.beyond_4 as f64 / n,
+            100.0 * z.expected_beyond_4,
+            z.compared,
+            z.certain,
+            self.stated
         )
     }
 }
@@ -177,5 +205,9 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
-    if values.len() % 2 == 1 { values[half] } else { (values[half - 1] + values[half]) / 2.0 }
+    if values.len() % 2 == 1 {
+        values[half]
+    } else {
+        (values[half - 1] + values[half]) / 2.0
+    }
 }

@@ -46,7 +46,11 @@ pub struct SparseVectors {
 
 impl SparseVectors {
     fn new(len: usize) -> Self {
-        Self { values: vec![Vec3::ZERO; len], is_touched: vec![false; len], touched: Vec::new() }
+        Self {
+            values: vec![Vec3::ZERO; len],
+            is_touched: vec![false; len],
+            touched: Vec::new(),
+        }
     }
 
     #[inline]
@@ -161,7 +165,10 @@ impl FilmSums {
         }
         add_colours(&mut self.reflectance, &tile.reflectance);
         add_colours(&mut self.radiance, &tile.radiance);
-        add_colours(std::slice::from_mut(&mut self.environment), &[tile.environment]);
+        add_colours(
+            std::slice::from_mut(&mut self.environment),
+            &[tile.environment],
+        );
         self.camera.origin += tile.camera.origin;
         for (axis, value) in self.camera.axes.iter_mut().zip(tile.camera.axes) {
             *axis += value;
@@ -179,14 +186,16 @@ impl FilmSums {
     ) -> SceneDifferential {
         let mut gradient = request.clone();
         let mut positions = self.positions;
-        let given = super::normals::adjoint(scene, geometry, request, &self.normals, &mut positions);
-        for mesh in 0..scene.meshes.len() {
-            let range = geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
+        let given =
+            super::normals::adjoint(scene, geometry, request, &self.normals, &mut positions);
+        for (mesh, given) in given.into_iter().enumerate() {
+            let range =
+                geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
             if let Some(values) = &mut gradient.positions[mesh] {
                 *values = positions[range].iter().map(|v| v.as_vec3()).collect();
             }
             if gradient.given_normals[mesh].is_some() {
-                gradient.given_normals[mesh] = given[mesh].clone();
+                gradient.given_normals[mesh] = given;
             }
         }
         let narrow = |c: [f64; 3]| -> Rgb { c.map(|x| x as f32) };
@@ -199,11 +208,18 @@ impl FilmSums {
         };
         fill(&mut gradient.reflectance, &self.reflectance);
         fill(&mut gradient.radiance, &self.radiance);
-        fill(std::slice::from_mut(&mut gradient.environment), &[self.environment]);
+        fill(
+            std::slice::from_mut(&mut gradient.environment),
+            &[self.environment],
+        );
         if gradient.camera.is_some() {
             let sums = &self.camera;
-            let rotation: DVec3 =
-                camera.axes.iter().zip(sums.axes).map(|(axis, bar)| axis.as_dvec3().cross(bar)).sum();
+            let rotation: DVec3 = camera
+                .axes
+                .iter()
+                .zip(sums.axes)
+                .map(|(axis, bar)| axis.as_dvec3().cross(bar))
+                .sum();
             let tan = camera.tan_half_x_fov;
             gradient.camera = Some(CameraDifferential {
                 translation: sums.origin.as_vec3(),

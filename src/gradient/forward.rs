@@ -68,7 +68,8 @@ impl<'a> ForwardSweep<'a> {
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingSurface> = None;
         for vertices in store.path(packet) {
-            let (contribution, surface) = self.vertex(store, vertices, &mut chain, previous.as_ref());
+            let (contribution, surface) =
+                self.vertex(store, vertices, &mut chain, previous.as_ref());
             sum = sum + contribution;
             previous = surface;
         }
@@ -90,19 +91,33 @@ impl<'a> ForwardSweep<'a> {
         if vertices.hit == 0 {
             return (sum, None);
         }
-        chain.moves |= self.motion.moves_any(self.tracer.geometry, &vertices.triangle);
+        chain.moves |= self
+            .motion
+            .moves_any(self.tracer.geometry, &vertices.triangle);
         let surface = self.surface(vertices, chain);
         let reflectance = self.reflectance(vertices);
         if !self.tracer.lights.is_empty() {
-            sum = sum + masked(vertices.hit, self.emission(vertices, chain, &surface, previous));
+            sum = sum
+                + masked(
+                    vertices.hit,
+                    self.emission(vertices, chain, &surface, previous),
+                );
             sum = sum + self.light_sample(vertices, chain, &surface, reflectance);
         }
         if self.visibility {
             for crossing in &store.light_crossings[range(vertices.crossings)] {
-                sum = add_lane(sum, crossing.lane, self.light_crossing(vertices, crossing, &surface));
+                sum = add_lane(
+                    sum,
+                    crossing.lane,
+                    self.light_crossing(vertices, crossing, &surface),
+                );
             }
             for crossing in &store.bounce_crossings[range(vertices.bounce_crossings)] {
-                sum = add_lane(sum, crossing.lane, self.bounce_crossing(vertices, crossing, &surface));
+                sum = add_lane(
+                    sum,
+                    crossing.lane,
+                    self.bounce_crossing(vertices, crossing, &surface),
+                );
             }
         }
         let [lx, ly, lz] = vertices.local.map(constant);
@@ -113,7 +128,12 @@ impl<'a> ForwardSweep<'a> {
     }
 
     fn escape(&self, chain: &Chain) -> V3<Lane> {
-        let value = self.tracer.scene.environment.as_ref().map_or([0.0; 3], |e| e.radiance);
+        let value = self
+            .tracer
+            .scene
+            .environment
+            .as_ref()
+            .map_or([0.0; 3], |e| e.radiance);
         let radiance = constant_rgb(value, self.motion.environment.unwrap_or([0.0; 3]));
         tangent_of(chain.throughput.times(radiance))
     }
@@ -145,8 +165,11 @@ impl<'a> ForwardSweep<'a> {
             None => V3::splat(0.0),
             Some(tangents) => {
                 let scene = self.tracer.scene;
-                let lit = vertices.facing.gt(Lane::splat(0.0)) | lane_mask(self.tracer.two_sided(vertices));
-                let tangent = self.tracer.per_lane(&vertices.triangle, |mesh, _| tangents[scene.meshes[mesh].material]);
+                let lit = vertices.facing.gt(Lane::splat(0.0))
+                    | lane_mask(self.tracer.two_sided(vertices));
+                let tangent = self.tracer.per_lane(&vertices.triangle, |mesh, _| {
+                    tangents[scene.meshes[mesh].material]
+                });
                 V3::select(lit, tangent, V3::splat(0.0))
             }
         };
@@ -170,13 +193,25 @@ impl<'a> ForwardSweep<'a> {
         let mut emitted = dual_vector(value, tangent) * constant(vertices.emission_weight);
         if let (Some(from), true) = (previous, chain.moves) {
             let [q0, q1, q2] = surface.corners;
-            let irradiance =
-                triangle_irradiance(from.x, from.n, q0, q1, q2, constant(surface.b1), constant(surface.b2));
+            let irradiance = triangle_irradiance(
+                from.x,
+                from.n,
+                q0,
+                q1,
+                q2,
+                constant(surface.b1),
+                constant(surface.b2),
+            );
             // Where nothing is emitted the kernel may be 0: keep the ratio finite there.
             let zero = Lane::splat(0.0);
             let emits = vertices.emission_weight.gt(zero) & irradiance.value.gt(zero);
-            let relative = <Lane as Real>::select(emits, irradiance.tangent / irradiance.value, zero);
-            emitted = emitted * Dual { value: Lane::splat(1.0), tangent: relative };
+            let relative =
+                <Lane as Real>::select(emits, irradiance.tangent / irradiance.value, zero);
+            emitted = emitted
+                * Dual {
+                    value: Lane::splat(1.0),
+                    tangent: relative,
+                };
         }
         tangent_of(chain.throughput.times(emitted))
     }
@@ -193,12 +228,26 @@ impl<'a> ForwardSweep<'a> {
         if !lit.any() {
             return V3::splat(0.0);
         }
-        let (ids, b) = self.tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
+        let (ids, b) =
+            self.tracer
+                .patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
         let [q0, q1, q2] = self.motion.corners(self.tracer.geometry, &ids);
-        let irradiance = triangle_irradiance(surface.x, surface.n, q0, q1, q2, constant(b[0]), constant(b[1]));
+        let irradiance = triangle_irradiance(
+            surface.x,
+            surface.n,
+            q0,
+            q1,
+            q2,
+            constant(b[0]),
+            constant(b[1]),
+        );
         let radiance = self.light_radiance(&light.patch);
         let value = radiance * (irradiance * constant(light.weight));
-        V3::select(lit, tangent_of(chain.throughput.times(reflectance).times(value)), V3::splat(0.0))
+        V3::select(
+            lit,
+            tangent_of(chain.throughput.times(reflectance).times(value)),
+            V3::splat(0.0),
+        )
     }
 
     fn light_radiance(&self, patch: &[u32; LANES]) -> V3<D> {
@@ -210,7 +259,12 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// Radiance that a moving shadow edge brings (`paths::light_cells`).
-    fn light_crossing(&self, vertices: &Vertices, crossing: &LightCrossing, surface: &MovingSurface) -> Rgb {
+    fn light_crossing(
+        &self,
+        vertices: &Vertices,
+        crossing: &LightCrossing,
+        surface: &MovingSurface,
+    ) -> Rgb {
         let lane = crossing.lane as usize;
         let x = dual_lane(surface.x, lane);
         let (ids, b) = self.tracer.lights.patches[crossing.patch as usize]
@@ -218,22 +272,35 @@ impl<'a> ForwardSweep<'a> {
         let [q0, q1, q2] = ids.map(|v| self.motion.point(self.tracer.geometry, v));
         let [b1, b2] = b.map(|b| Dual::<f64>::splat(b as f64));
         let y = q0 + (q1 - q0) * b1 + (q2 - q0) * b2;
-        let side = crossing.boundary.side(x, y - x, |v| self.motion.point(self.tracer.geometry, v));
-        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices, lane_of(value_of(surface.n), lane)) else {
+        let side = crossing
+            .boundary
+            .side(x, y - x, |v| self.motion.point(self.tracer.geometry, v));
+        let Some(weight) =
+            crossing.radiance_per_side(self.tracer, vertices, lane_of(value_of(surface.n), lane))
+        else {
             return [0.0; 3];
         };
         weight.map(|w| (w * side.tangent) as f32)
     }
 
     /// Radiance that a silhouette brings that moves over the hemisphere (`paths::bounce_cells`).
-    fn bounce_crossing(&self, vertices: &Vertices, crossing: &BounceCrossing, surface: &MovingSurface) -> Rgb {
+    fn bounce_crossing(
+        &self,
+        vertices: &Vertices,
+        crossing: &BounceCrossing,
+        surface: &MovingSurface,
+    ) -> Rgb {
         let lane = crossing.lane as usize;
         let x = dual_lane(surface.x, lane);
         let n = dual_lane(surface.n, lane);
         let [lx, ly, lz] = crossing.local.map(Dual::<f64>::splat);
         let d = direction_from_local(n, lx, ly, lz);
-        let side = crossing.boundary.side(x, d, |v| self.motion.point(self.tracer.geometry, v));
-        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices) else { return [0.0; 3] };
+        let side = crossing
+            .boundary
+            .side(x, d, |v| self.motion.point(self.tracer.geometry, v));
+        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices) else {
+            return [0.0; 3];
+        };
         weight.map(|w| (w * side.tangent) as f32)
     }
 
@@ -244,9 +311,13 @@ impl<'a> ForwardSweep<'a> {
         let (px, py) = self.tracer.camera.film_to_camera(u, v);
         let [x, y, z] = camera.axes;
         let d = camera_direction(x, y, z, camera.tan_half_x_fov, px, py);
-        let side = crossing.boundary.side(camera.origin, d, |v| self.motion.point(self.tracer.geometry, v));
+        let side = crossing.boundary.side(camera.origin, d, |v| {
+            self.motion.point(self.tracer.geometry, v)
+        });
         match crossing.velocity_per_side(self.tracer) {
-            Some(velocity) => crossing.jump.map(|j| (j as f64 * velocity * side.tangent) as f32),
+            Some(velocity) => crossing
+                .jump
+                .map(|j| (j as f64 * velocity * side.tangent) as f32),
             None => [0.0; 3],
         }
     }
@@ -255,7 +326,9 @@ impl<'a> ForwardSweep<'a> {
 impl FilmCrossing {
     /// Film velocity along the crossing's axis, in pixels, per unit of Ḟ.
     pub fn velocity_per_side(&self, tracer: &Tracer) -> Option<f64> {
-        let c = self.boundary.normal(tracer.geometry, tracer.camera.origin.as_dvec3());
+        let c = self
+            .boundary
+            .normal(tracer.geometry, tracer.camera.origin.as_dvec3());
         let gradient = tracer.camera.direction_per_pixel().map(|d| c.dot(d));
         velocity_per_side(gradient, [1.0, 0.0, 1.0], self.axis as usize)
     }
@@ -264,7 +337,12 @@ impl FilmCrossing {
 impl LightCrossing {
     /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · reflectance · Le · irradiance · jump · V/Ḟ over the
     /// probability of the patch. `n` is the unit normal the light falls on.
-    pub fn radiance_per_side(&self, tracer: &Tracer, vertices: &Vertices, n: glam::Vec3) -> Option<[f64; 3]> {
+    pub fn radiance_per_side(
+        &self,
+        tracer: &Tracer,
+        vertices: &Vertices,
+        n: glam::Vec3,
+    ) -> Option<[f64; 3]> {
         let lane = self.lane as usize;
         let geometry = tracer.geometry;
         let patch = &tracer.lights.patches[self.patch as usize];
@@ -272,37 +350,71 @@ impl LightCrossing {
         let c = self.boundary.normal(geometry, x);
         let edges = patch.edges.map(|e| e.as_dvec3());
         let gradient = edges.map(|e| c.dot(e));
-        let metric = [edges[0].dot(edges[0]), edges[0].dot(edges[1]), edges[1].dot(edges[1])];
+        let metric = [
+            edges[0].dot(edges[0]),
+            edges[0].dot(edges[1]),
+            edges[1].dot(edges[1]),
+        ];
         let velocity = velocity_per_side(gradient, metric, self.axis as usize)?;
         let (ids, [b1, b2]) = patch.vertices_at(self.at[0] as f32, self.at[1] as f32);
         let [q0, q1, q2] = ids.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
-        let irradiance =
-            triangle_irradiance(vector(x), vector(n.as_dvec3()), q0, q1, q2, b1 as f64, b2 as f64);
+        let irradiance = triangle_irradiance(
+            vector(x),
+            vector(n.as_dvec3()),
+            q0,
+            q1,
+            q2,
+            b1 as f64,
+            b2 as f64,
+        );
         let scale = irradiance * self.jump * velocity / patch.probability as f64;
         let colour = vertices.throughput.times(vertices.reflectance);
         let colour = lane_of(colour, lane).to_array();
         let radiance = tracer.scene.area_lights[patch.light as usize].radiance;
-        Some(std::array::from_fn(|i| scale * (colour[i] * radiance[i]) as f64))
+        Some(std::array::from_fn(|i| {
+            scale * (colour[i] * radiance[i]) as f64
+        }))
     }
 }
 
 /// A number that does not move.
 pub fn constant(value: Lane) -> D {
-    Dual { value, tangent: Lane::splat(0.0) }
+    Dual {
+        value,
+        tangent: Lane::splat(0.0),
+    }
 }
 
 fn constant_rgb(value: Rgb, tangent: Rgb) -> V3<D> {
-    let dual = |c: usize| Dual { value: Lane::splat(value[c]), tangent: Lane::splat(tangent[c]) };
-    V3 { x: dual(0), y: dual(1), z: dual(2) }
+    let dual = |c: usize| Dual {
+        value: Lane::splat(value[c]),
+        tangent: Lane::splat(tangent[c]),
+    };
+    V3 {
+        x: dual(0),
+        y: dual(1),
+        z: dual(2),
+    }
 }
 
 fn value_of(v: V3<D>) -> V3<Lane> {
-    V3 { x: v.x.value, y: v.y.value, z: v.z.value }
+    V3 {
+        x: v.x.value,
+        y: v.y.value,
+        z: v.z.value,
+    }
 }
 
 fn dual_lane(v: V3<D>, lane: usize) -> V3<Dual<f64>> {
-    let of = |d: D| Dual { value: d.value.to_array()[lane] as f64, tangent: d.tangent.to_array()[lane] as f64 };
-    V3 { x: of(v.x), y: of(v.y), z: of(v.z) }
+    let of = |d: D| Dual {
+        value: d.value.to_array()[lane] as f64,
+        tangent: d.tangent.to_array()[lane] as f64,
+    };
+    V3 {
+        x: of(v.x),
+        y: of(v.y),
+        z: of(v.z),
+    }
 }
 
 fn add_lane(v: V3<Lane>, lane: u8, value: Rgb) -> V3<Lane> {
@@ -311,7 +423,11 @@ fn add_lane(v: V3<Lane>, lane: u8, value: Rgb) -> V3<Lane> {
         x[lane as usize] += y;
         Lane::new(x)
     };
-    V3 { x: add(v.x, value[0]), y: add(v.y, value[1]), z: add(v.z, value[2]) }
+    V3 {
+        x: add(v.x, value[0]),
+        y: add(v.y, value[1]),
+        z: add(v.z, value[2]),
+    }
 }
 
 pub(super) fn range(r: [u32; 2]) -> std::ops::Range<usize> {

@@ -35,8 +35,15 @@ impl Motion {
             all
         };
         let any_mesh = moving_mesh.contains(&true);
-        let positions = if any_mesh { spread(&tangent.positions) } else { Vec::new() };
-        let smooth = moving_mesh.iter().zip(&geometry.smooth).any(|(m, s)| *m && *s);
+        let positions = if any_mesh {
+            spread(&tangent.positions)
+        } else {
+            Vec::new()
+        };
+        let smooth = moving_mesh
+            .iter()
+            .zip(&geometry.smooth)
+            .any(|(m, s)| *m && *s);
         let normals = if smooth {
             let turned = super::normals::tangent(scene, tangent);
             spread(&turned)
@@ -44,7 +51,9 @@ impl Motion {
             Vec::new()
         };
         let colours = |of: &[Option<Rgb>]| {
-            of.iter().any(Option::is_some).then(|| of.iter().map(|c| c.unwrap_or([0.0; 3])).collect())
+            of.iter()
+                .any(Option::is_some)
+                .then(|| of.iter().map(|c| c.unwrap_or([0.0; 3])).collect())
         };
         Self {
             positions,
@@ -59,7 +68,8 @@ impl Motion {
 
     /// Whether the mesh of a triangle moves.
     pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
-        triangle != NO_TRIANGLE && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
+        triangle != NO_TRIANGLE
+            && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
     }
 
     /// Whether anything moves that the triangles in `lanes` belong to.
@@ -70,26 +80,51 @@ impl Motion {
     /// A vertex with its velocity.
     pub fn point(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
         let p = geometry.positions[vertex as usize].as_dvec3();
-        let v = self.positions.get(vertex as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();
+        let v = self
+            .positions
+            .get(vertex as usize)
+            .copied()
+            .unwrap_or(Vec3::ZERO)
+            .as_dvec3();
         let dual = |value, tangent| Dual { value, tangent };
-        V3 { x: dual(p.x, v.x), y: dual(p.y, v.y), z: dual(p.z, v.z) }
+        V3 {
+            x: dual(p.x, v.x),
+            y: dual(p.y, v.y),
+            z: dual(p.z, v.z),
+        }
     }
 
     /// The corners of a triangle in each lane with their velocities.
     pub fn corners(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
-        join(geometry.gather_positions(corners), self.gather(&self.positions, corners))
+        join(
+            geometry.gather_positions(corners),
+            self.gather(&self.positions, corners),
+        )
     }
 
     /// The shading normals at a triangle's corners in each lane, with how they turn.
-    pub fn corner_normals(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
-        join(geometry.gather_normals(corners), self.gather(&self.normals, corners))
+    pub fn corner_normals(
+        &self,
+        geometry: &Geometry,
+        corners: &[[u32; 3]; LANES],
+    ) -> [V3<Dual<Lane>>; 3] {
+        join(
+            geometry.gather_normals(corners),
+            self.gather(&self.normals, corners),
+        )
     }
 
     fn gather(&self, of: &[Vec3], corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
         if of.is_empty() {
             return [V3::splat(0.0); 3];
         }
-        gather(corners, |v, _| if v == u32::MAX { Vec3::ZERO } else { of[v as usize] })
+        gather(corners, |v, _| {
+            if v == u32::MAX {
+                Vec3::ZERO
+            } else {
+                of[v as usize]
+            }
+        })
     }
 
     /// The camera's position and axes, and tan(x_fov/2), with their velocities.
@@ -101,8 +136,13 @@ impl Motion {
         let tan_velocity = (motion.x_fov_deg as f64).to_radians() * 0.5 * (1.0 + tan * tan);
         MovingCamera {
             origin: dual(camera.origin, motion.translation),
-            axes: camera.axes.map(|axis| dual(axis, motion.rotation.cross(axis))),
-            tan_half_x_fov: Dual { value: F::splat(tan), tangent: F::splat(tan_velocity) },
+            axes: camera
+                .axes
+                .map(|axis| dual(axis, motion.rotation.cross(axis))),
+            tan_half_x_fov: Dual {
+                value: F::splat(tan),
+                tangent: F::splat(tan_velocity),
+            },
         }
     }
 }
@@ -118,15 +158,28 @@ pub struct MovingCamera<F> {
 /// A vector with its tangent.
 pub fn dual_vector<F>(value: V3<F>, tangent: V3<F>) -> V3<Dual<F>> {
     V3 {
-        x: Dual { value: value.x, tangent: tangent.x },
-        y: Dual { value: value.y, tangent: tangent.y },
-        z: Dual { value: value.z, tangent: tangent.z },
+        x: Dual {
+            value: value.x,
+            tangent: tangent.x,
+        },
+        y: Dual {
+            value: value.y,
+            tangent: tangent.y,
+        },
+        z: Dual {
+            value: value.z,
+            tangent: tangent.z,
+        },
     }
 }
 
 /// The tangent of a vector.
 pub fn tangent_of<F: Copy>(v: V3<Dual<F>>) -> V3<F> {
-    V3 { x: v.x.tangent, y: v.y.tangent, z: v.z.tangent }
+    V3 {
+        x: v.x.tangent,
+        y: v.y.tangent,
+        z: v.z.tangent,
+    }
 }
 
 fn join(values: [V3<Lane>; 3], tangents: [V3<Lane>; 3]) -> [V3<Dual<Lane>>; 3] {

@@ -32,7 +32,8 @@ pub fn adjoint(
         return given;
     }
     for (index, mesh) in scene.meshes.iter().enumerate() {
-        let range = geometry.first_vertex[index] as usize..geometry.first_vertex[index + 1] as usize;
+        let range =
+            geometry.first_vertex[index] as usize..geometry.first_vertex[index + 1] as usize;
         match mesh.normals {
             Normals::Given(_) if request.given_normals[index].is_some() => {
                 given[index] = Some(normals[range].iter().map(|n| n.as_vec3()).collect());
@@ -85,7 +86,10 @@ fn corner_normal([p, a, b]: [V3<Dual<f64>>; 3]) -> V3<Dual<f64>> {
     let cross = u.cross(v);
     let (sin, cos) = (cross.length(), u.dot(v));
     // d atan2(s, c) = c·ds − s·dc for unit (c, s).
-    let angle = Dual { value: sin.value.atan2(cos.value), tangent: cos.value * sin.tangent - sin.value * cos.tangent };
+    let angle = Dual {
+        value: sin.value.atan2(cos.value),
+        tangent: cos.value * sin.tangent - sin.value * cos.tangent,
+    };
     cross * (angle / sin)
 }
 
@@ -105,14 +109,23 @@ fn computed_tangent(mesh: &Mesh, velocity: &[Vec3]) -> Vec<Vec3> {
     let mut change = vec![DVec3::ZERO; sums.len()];
     for (ids, value, jacobian) in corners(mesh).filter(|c| c.1.is_finite()) {
         let _ = value;
-        change[ids[0]] += (0..3).map(|i| jacobian[i] * velocity[ids[i]].as_dvec3()).sum::<DVec3>();
+        change[ids[0]] += (0..3)
+            .map(|i| jacobian[i] * velocity[ids[i]].as_dvec3())
+            .sum::<DVec3>();
     }
-    sums.iter().zip(change).map(|(s, c)| normalized_change(*s, c).as_vec3()).collect()
+    sums.iter()
+        .zip(change)
+        .map(|(s, c)| normalized_change(*s, c).as_vec3())
+        .collect()
 }
 
 fn computed_adjoint(mesh: &Mesh, normals: &[DVec3], positions: &mut [DVec3]) {
     let sums = weighted_sums(mesh);
-    let bars: Vec<DVec3> = sums.iter().zip(normals).map(|(s, n)| normalized_change(*s, *n)).collect();
+    let bars: Vec<DVec3> = sums
+        .iter()
+        .zip(normals)
+        .map(|(s, n)| normalized_change(*s, *n))
+        .collect();
     for (ids, _, jacobian) in corners(mesh).filter(|c| c.1.is_finite()) {
         for i in 0..3 {
             positions[ids[i]] += jacobian[i].transpose() * bars[ids[0]];

@@ -58,7 +58,13 @@ struct Chain {
 impl Chain {
     fn zero() -> Self {
         let zero = V3::splat(0.0);
-        Self { origin: zero, direction: zero, throughput: zero, x: zero, n: zero }
+        Self {
+            origin: zero,
+            direction: zero,
+            throughput: zero,
+            x: zero,
+            n: zero,
+        }
     }
 }
 
@@ -79,7 +85,15 @@ impl ReverseSweep<'_> {
         for (k, vertices) in path.iter().enumerate().rev() {
             let here = solved[1].take().or_else(|| self.solve(vertices));
             let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
-            chain = self.vertex(store, vertices, here.as_ref(), before.as_ref(), radiance_bar, chain, sums);
+            chain = self.vertex(
+                store,
+                vertices,
+                here.as_ref(),
+                before.as_ref(),
+                radiance_bar,
+                chain,
+                sums,
+            );
             solved[1] = before;
         }
         if self.wanted.camera {
@@ -88,12 +102,21 @@ impl ReverseSweep<'_> {
             let (px, py) = camera.film_to_camera(u, v);
             let [x, y, z] = camera.axes.map(splat);
             let tan = Lane::splat(camera.tan_half_x_fov as f32);
-            let (x, y, z, tan, _, _) = camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
+            let (x, y, z, tan, _, _) =
+                camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
             sums.camera.origin += sum_lanes(chain.origin, bits);
             for (sum, bar) in sums.camera.axes.iter_mut().zip([x, y, z]) {
                 *sum += sum_lanes(bar, bits);
             }
-            sums.camera.tan_half_x_fov += sum_lanes(V3 { x: tan, y: tan, z: tan }, bits).x;
+            sums.camera.tan_half_x_fov += sum_lanes(
+                V3 {
+                    x: tan,
+                    y: tan,
+                    z: tan,
+                },
+                bits,
+            )
+            .x;
         }
     }
 
@@ -113,7 +136,16 @@ impl ReverseSweep<'_> {
             let [n0, n1, n2] = geometry.gather_normals(&ids);
             n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
         }
-        Some(Solved { t, b1, b2, x: o + d * t, n: n * vertices.facing, ids, corners, smooth })
+        Some(Solved {
+            t,
+            b1,
+            b2,
+            x: o + d * t,
+            n: n * vertices.facing,
+            ids,
+            corners,
+            smooth,
+        })
     }
 
     /// One vertex: `after` holds the cotangents that the next vertex handed back.
@@ -151,7 +183,15 @@ impl ReverseSweep<'_> {
             return back;
         }
         if self.visibility {
-            self.crossings(store, vertices, here, radiance_bar, &mut x_bar, &mut n_bar, sums);
+            self.crossings(
+                store,
+                vertices,
+                here,
+                radiance_bar,
+                &mut x_bar,
+                &mut n_bar,
+                sums,
+            );
         }
         // The next ray leaves from x along its local direction in this frame.
         x_bar = x_bar + after.origin;
@@ -164,8 +204,19 @@ impl ReverseSweep<'_> {
         back
     }
 
-    fn escape(&self, vertices: &Vertices, radiance_bar: V3<Lane>, back: &mut Chain, sums: &mut TileSums) {
-        let radiance = self.tracer.scene.environment.as_ref().map_or([0.0; 3], |e| e.radiance);
+    fn escape(
+        &self,
+        vertices: &Vertices,
+        radiance_bar: V3<Lane>,
+        back: &mut Chain,
+        sums: &mut TileSums,
+    ) {
+        let radiance = self
+            .tracer
+            .scene
+            .environment
+            .as_ref()
+            .map_or([0.0; 3], |e| e.radiance);
         let environment = splat(Vec3::from(radiance));
         back.throughput = masked(vertices.escaped, radiance_bar.times(environment));
         if self.wanted.environment {
@@ -194,23 +245,39 @@ impl ReverseSweep<'_> {
         let by_radiance = radiance_bar.times(vertices.throughput) * weight;
         if self.wanted.radiance {
             for lane in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
-                let mesh = self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize] as usize;
+                let mesh = self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize]
+                    as usize;
                 if let Some(light) = self.tracer.lights.of_mesh[mesh]
                     && self.tracer.sees_front(vertices, lane)
                 {
-                    add(&mut sums.radiance[light as usize], lane_of(by_radiance, lane).as_dvec3());
+                    add(
+                        &mut sums.radiance[light as usize],
+                        lane_of(by_radiance, lane).as_dvec3(),
+                    );
                 }
             }
         }
-        let (Some(from), true) = (before, self.wanted.geometry()) else { return };
+        let (Some(from), true) = (before, self.wanted.geometry()) else {
+            return;
+        };
         let [q0, q1, q2] = here.corners;
-        let irradiance = crate::kernels::light::triangle_irradiance(from.x, from.n, q0, q1, q2, here.b1, here.b2);
+        let irradiance = crate::kernels::light::triangle_irradiance(
+            from.x, from.n, q0, q1, q2, here.b1, here.b2,
+        );
         let total = radiance_bar.times(vertices.throughput).times(emitted);
         let emits = weight.gt(zero) & irradiance.gt(zero) & lane_mask(vertices.hit);
         let relative_bar = total.x + total.y + total.z;
         let irradiance_bar = <Lane as Real>::select(emits, relative_bar / irradiance, zero);
-        let (x, n, q0, q1, q2, _, _) =
-            triangle_irradiance_adjoint(from.x, from.n, q0, q1, q2, here.b1, here.b2, irradiance_bar);
+        let (x, n, q0, q1, q2, _, _) = triangle_irradiance_adjoint(
+            from.x,
+            from.n,
+            q0,
+            q1,
+            q2,
+            here.b1,
+            here.b2,
+            irradiance_bar,
+        );
         let bits = emits.to_bits();
         (back.x, back.n) = (masked(bits, x), masked(bits, n));
         self.scatter(&vertices.triangle, &here.ids, [q0, q1, q2], bits, sums);
@@ -234,15 +301,26 @@ impl ReverseSweep<'_> {
         let bits = lit.to_bits();
         let emitted = self.tracer.light_radiance(&light.patch);
         let scale = light.irradiance * light.weight;
-        let by_reflectance = masked(bits, radiance_bar.times(vertices.throughput).times(emitted) * scale);
-        let by_throughput = masked(bits, radiance_bar.times(vertices.reflectance).times(emitted) * scale);
+        let by_reflectance = masked(
+            bits,
+            radiance_bar.times(vertices.throughput).times(emitted) * scale,
+        );
+        let by_throughput = masked(
+            bits,
+            radiance_bar.times(vertices.reflectance).times(emitted) * scale,
+        );
         back.throughput = back.throughput + by_throughput;
-        let colour = radiance_bar.times(vertices.throughput).times(vertices.reflectance);
+        let colour = radiance_bar
+            .times(vertices.throughput)
+            .times(vertices.reflectance);
         if self.wanted.radiance {
             let by_radiance = colour * scale;
             for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
                 let index = self.tracer.lights.patches[light.patch[lane] as usize].light as usize;
-                add(&mut sums.radiance[index], lane_of(by_radiance, lane).as_dvec3());
+                add(
+                    &mut sums.radiance[index],
+                    lane_of(by_radiance, lane).as_dvec3(),
+                );
             }
         }
         if !self.wanted.geometry() {
@@ -250,7 +328,9 @@ impl ReverseSweep<'_> {
         }
         let by_irradiance = colour.times(emitted) * light.weight;
         let irradiance_bar = by_irradiance.x + by_irradiance.y + by_irradiance.z;
-        let (ids, [b1, b2]) = self.tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
+        let (ids, [b1, b2]) =
+            self.tracer
+                .patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
         let [q0, q1, q2] = gather(&ids, |v, _| self.tracer.geometry.positions[v as usize]);
         let (x, n, q0, q1, q2, _, _) =
             triangle_irradiance_adjoint(here.x, here.n, q0, q1, q2, b1, b2, irradiance_bar);
@@ -268,7 +348,8 @@ impl ReverseSweep<'_> {
     fn add_reflectance(&self, vertices: &Vertices, bar: V3<Lane>, sums: &mut TileSums) {
         let facing = vertices.facing.to_array();
         for lane in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
-            let mesh = self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize] as usize;
+            let mesh =
+                self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize] as usize;
             let index = self.tracer.scene.meshes[mesh].material;
             let is_lit = self.tracer.scene.materials[index].two_sided || facing[lane] > 0.0;
             let value = lane_of(bar, lane).as_dvec3();
@@ -298,11 +379,13 @@ impl ReverseSweep<'_> {
         let (mut x, mut n) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
         for crossing in lights {
             let lane = crossing.lane as usize;
-            x[lane] += self.light_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
+            x[lane] +=
+                self.light_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
         }
         for crossing in bounces {
             let lane = crossing.lane as usize;
-            let (dx, dn) = self.bounce_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
+            let (dx, dn) =
+                self.bounce_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
             x[lane] += dx;
             n[lane] += dn;
         }
@@ -319,7 +402,8 @@ impl ReverseSweep<'_> {
         sums: &mut TileSums,
     ) -> Vec3 {
         let lane = crossing.lane as usize;
-        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices, lane_of(here.n, lane)) else {
+        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices, lane_of(here.n, lane))
+        else {
             return Vec3::ZERO;
         };
         let side_bar = bar.as_dvec3().dot(DVec3::from(weight));
@@ -328,10 +412,17 @@ impl ReverseSweep<'_> {
         let (ids, [b1, b2]) = self.tracer.lights.patches[crossing.patch as usize]
             .vertices_at(crossing.at[0] as f32, crossing.at[1] as f32);
         let b = [1.0 - b1 as f64 - b2 as f64, b1 as f64, b2 as f64];
-        let y: DVec3 = ids.iter().zip(b).map(|(&v, b)| geometry.positions[v as usize].as_dvec3() * b).sum();
-        let (o_bar, d_bar) = crossing
-            .boundary
-            .side_adjoint(geometry, x, y - x, side_bar, |v, bar| self.scatter_vertex(v, bar, sums));
+        let y: DVec3 = ids
+            .iter()
+            .zip(b)
+            .map(|(&v, b)| geometry.positions[v as usize].as_dvec3() * b)
+            .sum();
+        let (o_bar, d_bar) =
+            crossing
+                .boundary
+                .side_adjoint(geometry, x, y - x, side_bar, |v, bar| {
+                    self.scatter_vertex(v, bar, sums)
+                });
         for (&v, b) in ids.iter().zip(b) {
             self.scatter_vertex(v, d_bar * b, sums);
         }
@@ -351,12 +442,18 @@ impl ReverseSweep<'_> {
             return (Vec3::ZERO, Vec3::ZERO);
         };
         let side_bar = bar.as_dvec3().dot(DVec3::from(weight));
-        let (x, n) = (lane_of(here.x, lane).as_dvec3(), vector(lane_of(here.n, lane).as_dvec3()));
+        let (x, n) = (
+            lane_of(here.x, lane).as_dvec3(),
+            vector(lane_of(here.n, lane).as_dvec3()),
+        );
         let [lx, ly, lz] = crossing.local;
         let d = dvec3(direction_from_local(n, lx, ly, lz));
-        let (o_bar, d_bar) = crossing
-            .boundary
-            .side_adjoint(self.tracer.geometry, x, d, side_bar, |v, bar| self.scatter_vertex(v, bar, sums));
+        let (o_bar, d_bar) =
+            crossing
+                .boundary
+                .side_adjoint(self.tracer.geometry, x, d, side_bar, |v, bar| {
+                    self.scatter_vertex(v, bar, sums)
+                });
         let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
         (finite(o_bar), finite(dvec3(n_bar)))
     }
@@ -384,15 +481,22 @@ impl ReverseSweep<'_> {
         }
         if here.smooth != 0 {
             let [n0, n1, n2] = self.tracer.geometry.gather_normals(&here.ids);
-            let (m0, m1, m2, b1, b2) =
-                shading_normal_adjoint(n0, n1, n2, here.b1, here.b2, V3::select(smooth, n_bar, zero));
+            let (m0, m1, m2, b1, b2) = shading_normal_adjoint(
+                n0,
+                n1,
+                n2,
+                here.b1,
+                here.b2,
+                V3::select(smooth, n_bar, zero),
+            );
             let none = Lane::splat(0.0);
             b1_bar = <Lane as Real>::select(smooth, b1, none);
             b2_bar = <Lane as Real>::select(smooth, b2, none);
             self.scatter_normals(vertices, here, [m0, m1, m2], sums);
         }
         let t_bar = d.dot(x_bar);
-        let (o_hit, d_hit, w0, w1, w2) = triangle_hit_adjoint(o, d, v0, v1, v2, (t_bar, b1_bar, b2_bar));
+        let (o_hit, d_hit, w0, w1, w2) =
+            triangle_hit_adjoint(o, d, v0, v1, v2, (t_bar, b1_bar, b2_bar));
         for (sum, value) in v_bar.iter_mut().zip([w0, w1, w2]) {
             *sum = *sum + value;
         }
@@ -410,7 +514,10 @@ impl ReverseSweep<'_> {
         bits: u32,
         sums: &mut TileSums,
     ) {
-        if !triangle.iter().any(|&t| self.wanted.moves(self.tracer.geometry, t)) {
+        if !triangle
+            .iter()
+            .any(|&t| self.wanted.moves(self.tracer.geometry, t))
+        {
             return;
         }
         let bars = bars.map(|v| [v.x.to_array(), v.y.to_array(), v.z.to_array()]);
@@ -426,9 +533,18 @@ impl ReverseSweep<'_> {
         }
     }
 
-    fn scatter_normals(&self, vertices: &Vertices, here: &Solved, bars: [V3<Lane>; 3], sums: &mut TileSums) {
+    fn scatter_normals(
+        &self,
+        vertices: &Vertices,
+        here: &Solved,
+        bars: [V3<Lane>; 3],
+        sums: &mut TileSums,
+    ) {
         for lane in (0..LANES).filter(|&l| here.smooth & vertices.hit & 1 << l != 0) {
-            if self.wanted.moves(self.tracer.geometry, vertices.triangle[lane]) {
+            if self
+                .wanted
+                .moves(self.tracer.geometry, vertices.triangle[lane])
+            {
                 for (bar, &v) in bars.iter().zip(&here.ids[lane]) {
                     let value = lane_of(*bar, lane);
                     if value.is_finite() {
@@ -441,7 +557,12 @@ impl ReverseSweep<'_> {
 
     fn scatter_vertex(&self, vertex: u32, bar: DVec3, sums: &mut TileSums) {
         // Vertices are numbered mesh by mesh.
-        let mesh = self.tracer.geometry.first_vertex.partition_point(|&f| f <= vertex) - 1;
+        let mesh = self
+            .tracer
+            .geometry
+            .first_vertex
+            .partition_point(|&f| f <= vertex)
+            - 1;
         if self.wanted.mesh[mesh] && bar.is_finite() {
             sums.positions.add(vertex, bar.as_vec3());
         }
@@ -449,16 +570,23 @@ impl ReverseSweep<'_> {
 
     /// A film crossing, with the cotangent of what it adds at its place.
     pub fn add_film_crossing(&self, crossing: &FilmCrossing, bar: Rgb, sums: &mut TileSums) {
-        let Some(velocity) = crossing.velocity_per_side(self.tracer) else { return };
+        let Some(velocity) = crossing.velocity_per_side(self.tracer) else {
+            return;
+        };
         let jump = DVec3::from(crossing.jump.map(f64::from));
         let side_bar = jump.dot(DVec3::from(bar.map(f64::from))) * velocity;
         let camera = &self.tracer.camera;
         let [u, v] = crossing.at;
         let d = dvec3(camera.direction(u, v));
-        let (o_bar, d_bar) =
-            crossing.boundary.side_adjoint(self.tracer.geometry, camera.origin.as_dvec3(), d, side_bar, |v, bar| {
+        let (o_bar, d_bar) = crossing.boundary.side_adjoint(
+            self.tracer.geometry,
+            camera.origin.as_dvec3(),
+            d,
+            side_bar,
+            |v, bar| {
                 self.scatter_vertex(v, bar, sums);
-            });
+            },
+        );
         if self.wanted.camera && o_bar.is_finite() && d_bar.is_finite() {
             let (px, py) = camera.film_to_camera(u, v);
             let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
@@ -488,5 +616,9 @@ fn add(sum: &mut [f64; 3], value: DVec3) {
 }
 
 fn finite(v: DVec3) -> Vec3 {
-    if v.is_finite() { v.as_vec3() } else { Vec3::ZERO }
+    if v.is_finite() {
+        v.as_vec3()
+    } else {
+        Vec3::ZERO
+    }
 }

@@ -14,6 +14,7 @@ pub fn edge_side<F: Real>(o: V3<F>, d: V3<F>, a: V3<F>, b: V3<F>) -> F {
 
 /// Zero where the ray from `o` along `d` meets the planes of two triangles at the same distance: where two
 /// surfaces pass through each other without a common edge.
+#[allow(clippy::too_many_arguments)] // Two triangles seen along a ray are that many.
 pub fn crease_side<F: Real>(
     o: V3<F>,
     d: V3<F>,

@@ -1,7 +1,9 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
 use super::stage::{GroupImages, Stage, StageClock};
-use super::{BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics};
+use super::{
+    BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics,
+};
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
 use crate::lanes::LANES;
@@ -34,7 +36,11 @@ pub fn backward(
     let clock = StageClock::start();
     let wanted = Wanted::new(request);
     let tracer = stage.tracer();
-    let sweep = ReverseSweep { tracer: &tracer, wanted: &wanted, visibility };
+    let sweep = ReverseSweep {
+        tracer: &tracer,
+        wanted: &wanted,
+        visibility,
+    };
     let scratch: Mutex<Vec<TileSums>> = Mutex::new(Vec::new());
     let mut images = GroupImages::new(&stage);
     let mut sums: Vec<FilmSums> = Vec::new();
@@ -44,12 +50,14 @@ pub fn backward(
         |group, index| {
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, |a, b| sweep.moves(a, b));
+            let traced =
+                TracedTile::trace(&tracer, &stage.filter, tile, true, |a, b| sweep.moves(a, b));
             let start = clock.add_primal(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             let free = scratch.lock().map_or(None, |mut s| s.pop());
-            let mut tile_sums = free.unwrap_or_else(|| TileSums::new(scene, &stage.geometry, &wanted));
+            let mut tile_sums =
+                free.unwrap_or_else(|| TileSums::new(scene, &stage.geometry, &wanted));
             let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
             clock.add_adjoint(start);
             if let Ok(mut scratch) = scratch.lock() {
@@ -69,15 +77,23 @@ pub fn backward(
     statistics.add_counts(&counts);
     clock.stop(&mut statistics);
 
-    let groups: Vec<SceneDifferential> =
-        sums.into_iter().map(|s| s.finish(scene, &stage.geometry, &stage.camera, request)).collect();
+    let groups: Vec<SceneDifferential> = sums
+        .into_iter()
+        .map(|s| s.finish(scene, &stage.geometry, &stage.camera, request))
+        .collect();
     let gradient = SceneDifferential::mean(&groups);
     let own = stage.image(images.finish().0);
     let (loss, image) = match objective {
         Objective::Adjoint(adjoint) => (product(&own, adjoint), own),
         _ => (loss, image.unwrap_or(own)),
     };
-    Ok(BackwardGradient { image, gradient, groups, loss, statistics })
+    Ok(BackwardGradient {
+        image,
+        gradient,
+        groups,
+        loss,
+        statistics,
+    })
 }
 
 /// The objective's value and derivative by the image, and the image they were taken at.
@@ -93,7 +109,10 @@ fn evaluate(
         Objective::L1(target) => (target, true),
         Objective::L2(target) => (target, false),
     };
-    let settings = Settings { seed: settings.seed ^ OBJECTIVE_SEED, ..settings.clone() };
+    let settings = Settings {
+        seed: settings.seed ^ OBJECTIVE_SEED,
+        ..settings.clone()
+    };
     let rendering = super::render(scene, &settings, progress)?;
     for (kind, count) in rendering.statistics.rays {
         *statistics.rays.entry(kind).or_default() += count;
@@ -109,7 +128,11 @@ fn evaluate(
         let difference = (value - target) as f64;
         let slope = if is_l1 {
             *loss += difference.abs() * scale;
-            if difference == 0.0 { 0.0 } else { difference.signum() }
+            if difference == 0.0 {
+                0.0
+            } else {
+                difference.signum()
+            }
         } else {
             *loss += difference * difference * scale;
             2.0 * difference
@@ -122,7 +145,11 @@ fn evaluate(
         .zip(&target.pixels)
         .map(|(value, target)| std::array::from_fn(|c| derivative(value[c], target[c], &mut loss)))
         .collect();
-    let adjoint = Image { width: image.width, height: image.height, pixels };
+    let adjoint = Image {
+        width: image.width,
+        height: image.height,
+        pixels,
+    };
     Ok((loss, adjoint, Some(image)))
 }
 
@@ -137,7 +164,12 @@ fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineEr
 }
 
 fn product(a: &Image, b: &Image) -> f64 {
-    a.pixels.iter().flatten().zip(b.pixels.iter().flatten()).map(|(x, y)| *x as f64 * *y as f64).sum()
+    a.pixels
+        .iter()
+        .flatten()
+        .zip(b.pixels.iter().flatten())
+        .map(|(x, y)| *x as f64 * *y as f64)
+        .sum()
 }
 
 /// A tile's part of the gradient.
@@ -162,7 +194,13 @@ fn differentiate(
             lanes[lane] = Vec3::from(bars[packet.row * columns + packet.column + lane]);
         }
         if lanes.iter().any(|b| *b != Vec3::ZERO) {
-            sweep.add_path(&traced.store, number, [packet.u, packet.v], from_lanes(&lanes), sums);
+            sweep.add_path(
+                &traced.store,
+                number,
+                [packet.u, packet.v],
+                from_lanes(&lanes),
+                sums,
+            );
         }
     }
     for crossing in &traced.store.film_crossings {

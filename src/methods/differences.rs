@@ -25,8 +25,13 @@ pub fn forward(
     let mut statistics = Statistics::default();
     let refused = |e: crate::scene::SceneError| EngineError::Refused(e.to_string());
     let step = step(scene, settings, direction)?;
-    statistics.notes.push(format!("finite differences with steps of {step:.3e} and twice that"));
-    let settings = Settings { rr_depth: u32::MAX, ..settings.clone() };
+    statistics.notes.push(format!(
+        "finite differences with steps of {step:.3e} and twice that"
+    ));
+    let settings = Settings {
+        rr_depth: u32::MAX,
+        ..settings.clone()
+    };
     let offsets = [-2.0, -1.0, 1.0, 2.0];
     // D = Σ weight·I(θ + offset·h)/h.
     let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
@@ -35,8 +40,13 @@ pub fn forward(
     let mut size = [0, 0];
     for (part, (offset, weight)) in offsets.into_iter().zip(weights).enumerate() {
         let moved = displace(scene, direction, offset * step).map_err(refused)?;
-        let part_progress = Part { whole: progress, part: part as u64, parts: offsets.len() as u64 };
-        let (images, image_size) = group_images(&moved, &settings, &part_progress, &mut statistics)?;
+        let part_progress = Part {
+            whole: progress,
+            part: part as u64,
+            parts: offsets.len() as u64,
+        };
+        let (images, image_size) =
+            group_images(&moved, &settings, &part_progress, &mut statistics)?;
         size = image_size;
         groups.resize(images.len(), vec![[0.0; 3]; size[0] * size[1]]);
         mean.resize(size[0] * size[1], [0.0; 3]);
@@ -50,18 +60,28 @@ pub fn forward(
             }
         }
     }
-    let image = |pixels: Vec<Rgb>| Image { width: size[0], height: size[1], pixels };
+    let image = |pixels: Vec<Rgb>| Image {
+        width: size[0],
+        height: size[1],
+        pixels,
+    };
     let n = groups.len() as f64;
     let average = |i: usize, c: usize| groups.iter().map(|g| g[i][c]).sum::<f64>() / n;
     let pixels = size[0] * size[1];
-    let gradient = (0..pixels).map(|i| std::array::from_fn(|c| average(i, c) as f32)).collect();
+    let gradient = (0..pixels)
+        .map(|i| std::array::from_fn(|c| average(i, c) as f32))
+        .collect();
     let stderr = (groups.len() > 1).then(|| {
         let error = |i: usize, c: usize| {
             let centre = average(i, c);
             let squares: f64 = groups.iter().map(|g| (g[i][c] - centre).powi(2)).sum();
             (squares / (n - 1.0) / n).sqrt() as f32
         };
-        image((0..pixels).map(|i| std::array::from_fn(|c| error(i, c))).collect())
+        image(
+            (0..pixels)
+                .map(|i| std::array::from_fn(|c| error(i, c)))
+                .collect(),
+        )
     });
     Ok(ForwardGradient {
         image: image(mean.iter().map(|p| p.map(|x| x as f32)).collect()),
@@ -72,17 +92,28 @@ pub fn forward(
 }
 
 /// A step along the direction that moves the fastest visible point by [`STEP_PIXELS`].
-fn step(scene: &Scene, settings: &Settings, direction: &[(Parameter, Vec<f32>)]) -> Result<f64, EngineError> {
-    let named: Vec<(&str, &[f32])> = direction.iter().map(|(p, v)| (p.key.as_str(), v.as_slice())).collect();
+fn step(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Result<f64, EngineError> {
+    let named: Vec<(&str, &[f32])> = direction
+        .iter()
+        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+        .collect();
     let tangent =
         tangent(scene, &named, settings.sensor).map_err(|e| EngineError::Refused(e.to_string()))?;
     let camera = Camera::new(&scene.sensors[settings.sensor]);
-    let width = settings.resolution.map_or(scene.sensors[settings.sensor].film.width, |r| r[0]) as f64;
+    let width = settings
+        .resolution
+        .map_or(scene.sensors[settings.sensor].film.width, |r| r[0]) as f64;
     // Pixels per unit of (velocity over depth).
     let pixels = width / (2.0 * camera.tan_half_x_fov);
     let mut fastest: f64 = 0.0;
     for (mesh, velocities) in scene.meshes.iter().zip(&tangent.positions) {
-        let Some(velocities) = velocities else { continue };
+        let Some(velocities) = velocities else {
+            continue;
+        };
         for (p, v) in mesh.positions.iter().zip(velocities) {
             let distance = (*p - camera.origin).length() as f64;
             fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
@@ -100,7 +131,11 @@ fn step(scene: &Scene, settings: &Settings, direction: &[(Parameter, Vec<f32>)])
         let by_turn = motion.rotation.length() as f64 + (motion.x_fov_deg as f64).to_radians();
         fastest = fastest.max((by_translation + by_turn) * pixels);
     }
-    Ok(if fastest > 0.0 && fastest.is_finite() { STEP_PIXELS / fastest } else { STEP_COLOUR })
+    Ok(if fastest > 0.0 && fastest.is_finite() {
+        STEP_PIXELS / fastest
+    } else {
+        STEP_COLOUR
+    })
 }
 
 /// Progress of one of several renderings.
@@ -112,7 +147,8 @@ struct Part<'a> {
 
 impl Progress for Part<'_> {
     fn advance(&self, done: u64, total: u64) {
-        self.whole.advance(self.part * total + done, self.parts * total);
+        self.whole
+            .advance(self.part * total + done, self.parts * total);
     }
     fn cancelled(&self) -> bool {
         self.whole.cancelled()

@@ -158,7 +158,10 @@ pub fn forward(
     if settings.method == Method::Fd {
         return differences::forward(scene, settings, direction, progress);
     }
-    let named: Vec<(&str, &[f32])> = direction.iter().map(|(p, v)| (p.key.as_str(), v.as_slice())).collect();
+    let named: Vec<(&str, &[f32])> = direction
+        .iter()
+        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+        .collect();
     let tangent = parameters::tangent(scene, &named, settings.sensor)?;
     tangent::forward(scene, settings, &tangent, progress)
 }
@@ -174,8 +177,5 @@ pub fn backward(
     let request = parameters::wanted(scene, wanted, settings.sensor)?;
     adjoint::backward(scene, settings, &request, objective, progress)
 }
-
-#[doc(hidden)]
-pub use adjoint::backward as backward_for;
 #[doc(hidden)]
 pub use tangent::forward as forward_along;

@@ -9,12 +9,21 @@ use crate::scene::{Rgb, Scene};
 use std::time::Instant;
 
 /// Renders the image.
-pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendering, EngineError> {
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Rendering, EngineError> {
     let mut statistics = Statistics::default();
-    let settings = Settings { standard_error: false, ..settings.clone() };
+    let settings = Settings {
+        standard_error: false,
+        ..settings.clone()
+    };
     let stage = Stage::new(scene, &settings, false, &mut statistics)?;
     let mut images = GroupImages::new(&stage);
-    trace(&stage, progress, &mut statistics, |group, block| images.add(group, block))?;
+    trace(&stage, progress, &mut statistics, |group, block| {
+        images.add(group, block)
+    })?;
     let image = stage.image(images.finish().0);
     Ok(Rendering { image, statistics })
 }

@@ -49,11 +49,19 @@ impl<'a> Stage<'a> {
     ) -> Result<Self, EngineError> {
         let start = Instant::now();
         if settings.spp == 0 {
-            return Err(EngineError::Refused("at least one sample a pixel is needed: --spp 1 or more".into()));
+            return Err(EngineError::Refused(
+                "at least one sample a pixel is needed: --spp 1 or more".into(),
+            ));
         }
         let mut sensor = scene.sensors[settings.sensor].clone();
         if let Some([width, height]) = settings.resolution {
-            sensor.film = Film { width, height, crop_offset: [0; 2], crop_size: [width, height], ..sensor.film };
+            sensor.film = Film {
+                width,
+                height,
+                crop_offset: [0; 2],
+                crop_size: [width, height],
+                ..sensor.film
+            };
         }
         let film = &sensor.film;
         if film.filter.radius() > 4.0 {
@@ -64,18 +72,33 @@ impl<'a> Stage<'a> {
         }
         let threads = settings.threads.max(1);
         let failed = |e: &dyn std::fmt::Display| EngineError::Failed(e.to_string());
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| failed(&e))?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| failed(&e))?;
         let geometry = Geometry::new(scene);
         let views: Vec<MeshView> = scene
             .meshes
             .iter()
-            .map(|m| MeshView { positions: &m.positions, triangles: &m.triangles })
+            .map(|m| MeshView {
+                positions: &m.positions,
+                triangles: &m.triangles,
+            })
             .collect();
-        let accel = Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
+        let accel =
+            Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
         let lights = Lights::new(scene, &geometry);
         let adjacency = visibility.then(|| pool.install(|| Adjacency::new(&geometry)));
-        let groups = if settings.standard_error { group_count(settings.spp) } else { 1 };
-        let border = if film.sample_border { FilmFilter::border(film.filter) } else { 0 };
+        let groups = if settings.standard_error {
+            group_count(settings.spp)
+        } else {
+            1
+        };
+        let border = if film.sample_border {
+            FilmFilter::border(film.filter)
+        } else {
+            0
+        };
         let lattice = Lattice::new(settings.spp / groups, film.crop_size, border);
         let filter = FilmFilter::new(film.filter, film.crop_size, &lattice);
         statistics.add_seconds("build", start);
@@ -133,7 +156,12 @@ impl<'a> Stage<'a> {
                 chunk
                     .par_iter()
                     .with_max_len(1)
-                    .map(|&job| ((job / tiles) as u32, work((job / tiles) as u32, job % tiles)))
+                    .map(|&job| {
+                        (
+                            (job / tiles) as u32,
+                            work((job / tiles) as u32, job % tiles),
+                        )
+                    })
                     .collect()
             });
             for (group, result) in results {
@@ -146,13 +174,19 @@ impl<'a> Stage<'a> {
 
     /// An image of this stage's size.
     pub fn image(&self, pixels: Vec<Rgb>) -> Image {
-        Image { width: self.size[0], height: self.size[1], pixels }
+        Image {
+            width: self.size[0],
+            height: self.size[1],
+            pixels,
+        }
     }
 }
 
 /// The smallest number of equal groups that is at least [`MIN_GROUPS`], or one sample each.
 pub fn group_count(spp: u32) -> u32 {
-    (MIN_GROUPS..=spp).find(|g| spp.is_multiple_of(*g)).unwrap_or(spp)
+    (MIN_GROUPS..=spp)
+        .find(|g| spp.is_multiple_of(*g))
+        .unwrap_or(spp)
 }
 
 /// The mean of several groups' images, and its standard error.
@@ -207,7 +241,11 @@ impl GroupImages {
         let mean = self.sum.iter().map(|s| s.map(|x| (x / n) as f32)).collect();
         let error = (self.groups > 1).then(|| {
             let se = |s: f64, q: f64| (((q - s * s / n) / (n - 1.0)).max(0.0) / n).sqrt() as f32;
-            self.sum.iter().zip(&self.squares).map(|(s, q)| std::array::from_fn(|c| se(s[c], q[c]))).collect()
+            self.sum
+                .iter()
+                .zip(&self.squares)
+                .map(|(s, q)| std::array::from_fn(|c| se(s[c], q[c])))
+                .collect()
         });
         (mean, error)
     }
@@ -222,24 +260,33 @@ pub struct StageClock {
 
 impl StageClock {
     pub fn start() -> Self {
-        Self { started: Instant::now(), primal_ns: AtomicU64::new(0), adjoint_ns: AtomicU64::new(0) }
+        Self {
+            started: Instant::now(),
+            primal_ns: AtomicU64::new(0),
+            adjoint_ns: AtomicU64::new(0),
+        }
     }
 
     /// A thread has traced since `start`; now.
     pub fn add_primal(&self, start: Instant) -> Instant {
-        self.primal_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.primal_ns
+            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         Instant::now()
     }
 
     /// A thread has differentiated since `start`.
     pub fn add_adjoint(&self, start: Instant) {
-        self.adjoint_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        self.adjoint_ns
+            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 
     /// Hands the time since the start to the stages.
     pub fn stop(self, statistics: &mut Statistics) {
         let seconds = self.started.elapsed().as_secs_f64();
-        let (primal, adjoint) = (self.primal_ns.into_inner() as f64, self.adjoint_ns.into_inner() as f64);
+        let (primal, adjoint) = (
+            self.primal_ns.into_inner() as f64,
+            self.adjoint_ns.into_inner() as f64,
+        );
         let share = primal / (primal + adjoint).max(1.0);
         *statistics.seconds.entry("primal").or_default() += seconds * share;
         *statistics.seconds.entry("adjoint").or_default() += seconds * (1.0 - share);
@@ -266,7 +313,10 @@ impl Statistics {
             *self.rays.entry(kind).or_default() += count;
         }
         self.silhouettes += counts.resolved;
-        let rejected = [("not_finite", counts.not_finite), ("silhouette_not_found", counts.unresolved)];
+        let rejected = [
+            ("not_finite", counts.not_finite),
+            ("silhouette_not_found", counts.unresolved),
+        ];
         for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {
             *self.rejected.entry(cause).or_default() += count;
         }

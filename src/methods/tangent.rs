@@ -25,7 +25,9 @@ pub fn forward(
     let tracer = stage.tracer();
     let sweep = ForwardSweep::new(&tracer, &motion, visibility);
     let moves = |a: u32, b: u32| {
-        motion.camera.is_some() || motion.moves(&stage.geometry, a) || motion.moves(&stage.geometry, b)
+        motion.camera.is_some()
+            || motion.moves(&stage.geometry, a)
+            || motion.moves(&stage.geometry, b)
     };
 
     let clock = StageClock::start();

@@ -18,8 +18,8 @@ use super::tracer::{Counts, RayPacket, Surface, Tracer, from_lanes, lane_of, lea
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Rgb;
-use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::Coherence;
+use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
 use crate::warp::resolve::{Unresolved, between};
@@ -74,7 +74,15 @@ pub fn find(
     let (_, jitter) = stream.pair(index, depth * super::tracer::PAIRS_PER_VERTEX - 1);
     let axis = (stream.uniform(AXIS + index[0].wrapping_mul(8).wrapping_add(depth)) * 2.0) as usize;
     let lines = Lines::new(surface, rays.direction, axis, jitter);
-    let mut finder = Finder { tracer, adjacency, surface, rays, lines, counts, out: &mut store.bounce_crossings };
+    let mut finder = Finder {
+        tracer,
+        adjacency,
+        surface,
+        rays,
+        lines,
+        counts,
+        out: &mut store.bounce_crossings,
+    };
     // Where only the environment shines a line needs no more than occlusion; else every line costs walks over whatever
     // is seen, and one lane stands for all.
     let at_last = depth + 1 >= tracer.limits.max_depth;
@@ -82,7 +90,9 @@ pub fn find(
         Seen::Environment(free) => finder.environment(free),
         Seen::Triangles(triangles) if at_last => {
             if tracer.scene.environment.is_some() {
-                let free = (0..LANES).filter(|&l| triangles[l] == NO_TRIANGLE).fold(0, |b, l| b | 1 << l);
+                let free = (0..LANES)
+                    .filter(|&l| triangles[l] == NO_TRIANGLE)
+                    .fold(0, |b, l| b | 1 << l);
                 finder.environment(free & rays.active);
             }
         }
@@ -121,7 +131,9 @@ impl Lines {
         let quarter = std::f32::consts::FRAC_PI_2;
         for lane in 0..LANES {
             let of_bounce = sin[lane].atan2(cos[lane]);
-            let inner = |k: usize| 2.0 * quarter * (k as f32 + jitter[lane]) / INNER_POINTS as f32 - quarter;
+            let inner = |k: usize| {
+                2.0 * quarter * (k as f32 + jitter[lane]) / INNER_POINTS as f32 - quarter
+            };
             let before = (0..INNER_POINTS).filter(|&k| inner(k) < of_bounce).count();
             for (i, row) in psi.iter_mut().enumerate() {
                 row[lane] = match i {
@@ -134,7 +146,13 @@ impl Lines {
             }
             place[lane] = before + 1;
         }
-        Self { axis, pole, middle, psi, bounce: place }
+        Self {
+            axis,
+            pole,
+            middle,
+            psi,
+            bounce: place,
+        }
     }
 
     /// Directions of point `i` in all lanes.
@@ -165,31 +183,57 @@ const FAMILIES: f32 = 2.0;
 
 impl Finder<'_> {
     fn environment(&mut self, free: u32) {
-        let Some(environment) = &self.tracer.scene.environment else { return };
+        let Some(environment) = &self.tracer.scene.environment else {
+            return;
+        };
         let radiance = environment.radiance.map(|r| r * FAMILIES);
         let active = self.rays.active;
         let open: [u32; INNER_POINTS + 3] = std::array::from_fn(|i| {
-            let is_bounce = (0..LANES).filter(|&l| self.lines.bounce[l] == i).fold(0, |b, l| b | 1 << l) & active;
+            let is_bounce = (0..LANES)
+                .filter(|&l| self.lines.bounce[l] == i)
+                .fold(0, |b, l| b | 1 << l)
+                & active;
             let wanted = active & !is_bounce;
             if wanted == 0 {
                 return free & is_bounce;
             }
             let direction = self.lines.directions(i);
             let origin = leave(self.surface.x, self.surface.geometric, self.surface.n);
-            let rays = RayPacket { active: wanted, origin, direction, near: 0.0, far: f32::INFINITY };
+            let rays = RayPacket {
+                active: wanted,
+                origin,
+                direction,
+                near: 0.0,
+                far: f32::INFINITY,
+            };
             self.counts.bounce_cell += wanted.count_ones() as u64;
-            let blocked = self.tracer.accel.occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
+            let blocked =
+                self.tracer
+                    .accel
+                    .occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
             (wanted & !blocked) | (free & is_bounce)
         });
         for i in 0..INNER_POINTS + 2 {
             for lane in (0..LANES).filter(|&l| (open[i] ^ open[i + 1]) & active & 1 << l != 0) {
                 let ends = [i, i + 1].map(|i| lane_of(self.lines.directions(i), lane).as_dvec3());
                 let before_is_bright = open[i] >> lane & 1 == 1;
-                let cell = if before_is_bright { [1.0, 0.0] } else { [0.0, 1.0] };
+                let cell = if before_is_bright {
+                    [1.0, 0.0]
+                } else {
+                    [0.0, 1.0]
+                };
                 let direction = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
                 let point = SurfacePoint::of_lane(self.surface, lane);
                 let far = f32::INFINITY;
-                match follow_occluders(self.tracer, self.adjacency, &point, &direction, cell, far, self.counts) {
+                match follow_occluders(
+                    self.tracer,
+                    self.adjacency,
+                    &point,
+                    &direction,
+                    cell,
+                    far,
+                    self.counts,
+                ) {
                     Some((fold, s)) => {
                         let jump = radiance.map(|r| if before_is_bright { r } else { -r });
                         self.push(lane, Boundary::Edge(fold.edge), direction(s), jump);
@@ -203,18 +247,41 @@ impl Finder<'_> {
     fn push(&mut self, lane: usize, boundary: Boundary, direction: DVec3, jump: Rgb) {
         let direction = direction.normalize();
         let n = lane_of(self.surface.n, lane).as_dvec3();
-        let along = |axis: usize| lane_of(horizon_axis(self.surface, axis), lane).as_dvec3().dot(direction);
+        let along = |axis: usize| {
+            lane_of(horizon_axis(self.surface, axis), lane)
+                .as_dvec3()
+                .dot(direction)
+        };
         let local = [along(0), along(1), n.dot(direction)];
-        self.out.push(BounceCrossing { boundary, lane: lane as u8, axis: self.lines.axis as u8, local, jump });
+        self.out.push(BounceCrossing {
+            boundary,
+            lane: lane as u8,
+            axis: self.lines.axis as u8,
+            local,
+            jump,
+        });
     }
 
     /// A line among reflecting surfaces, for one lane of the packet.
-    fn surfaces(&mut self, triangles: &[u32; LANES], depth: u32, stream: &Stream, index: &[u32; LANES]) {
+    fn surfaces(
+        &mut self,
+        triangles: &[u32; LANES],
+        depth: u32,
+        stream: &Stream,
+        index: &[u32; LANES],
+    ) {
         let active = self.rays.active;
         let lanes = active.count_ones();
-        let choice = |salt: u32| stream.uniform(AXIS + (index[0].wrapping_mul(8).wrapping_add(depth)) * 16 + salt);
+        let choice = |salt: u32| {
+            stream.uniform(AXIS + (index[0].wrapping_mul(8).wrapping_add(depth)) * 16 + salt)
+        };
         let chosen = ((choice(1) * lanes as f32) as u32).min(lanes.max(1) - 1);
-        let Some(lane) = (0..LANES).filter(|&l| active >> l & 1 == 1).nth(chosen as usize) else { return };
+        let Some(lane) = (0..LANES)
+            .filter(|&l| active >> l & 1 == 1)
+            .nth(chosen as usize)
+        else {
+            return;
+        };
         let point = SurfacePoint::of_lane(self.surface, lane);
         let origin = point.x.as_dvec3();
         let points: [(DVec3, u32); INNER_POINTS + 3] = std::array::from_fn(|i| {
@@ -223,14 +290,33 @@ impl Finder<'_> {
                 return (d, triangles[lane]);
             }
             self.counts.bounce_cell += 1;
-            (d, point.first_hit(self.tracer, d, f32::INFINITY, &mut Counts::default()))
+            (
+                d,
+                point.first_hit(self.tracer, d, f32::INFINITY, &mut Counts::default()),
+            )
         });
         let mut found: Vec<(Boundary, Arc, f64, u32)> = Vec::new();
         for (i, pair) in points.windows(2).enumerate() {
-            let arc = Arc { origin, a: pair[0].0, b: pair[1].0 };
+            let arc = Arc {
+                origin,
+                a: pair[0].0,
+                b: pair[1].0,
+            };
             let choice = choice(2 + i as u32) as f64;
-            match between(self.tracer.geometry, self.adjacency, &arc, [pair[0].1, pair[1].1], choice, 2.0 * PROBE) {
-                Ok(crossings) => found.extend(crossings.into_iter().flatten().map(|c| (c.boundary, arc, c.s, c.count))),
+            match between(
+                self.tracer.geometry,
+                self.adjacency,
+                &arc,
+                [pair[0].1, pair[1].1],
+                choice,
+                2.0 * PROBE,
+            ) {
+                Ok(crossings) => found.extend(
+                    crossings
+                        .into_iter()
+                        .flatten()
+                        .map(|c| (c.boundary, arc, c.s, c.count)),
+                ),
                 Err(Unresolved) => self.counts.unresolved += 1,
             }
         }
@@ -247,10 +333,20 @@ impl Finder<'_> {
             let directions = from_lanes(&directions);
             let geometric = from_lanes(&[point.geometric; LANES]);
             let origin = leave(from_lanes(&[point.x; LANES]), geometric, directions);
-            let rays = RayPacket { active: packet, origin, direction: directions, near: 0.0, far: f32::INFINITY };
+            let rays = RayPacket {
+                active: packet,
+                origin,
+                direction: directions,
+                near: 0.0,
+                far: f32::INFINITY,
+            };
             // Both sides share their random numbers.
-            let index = std::array::from_fn(|l| PROBE_INDEX + index[0] * 4 + (number * LANES / 2 + l / 2) as u32);
-            let radiance = self.tracer.radiance_along(rays, depth, stream, &index, self.counts);
+            let index = std::array::from_fn(|l| {
+                PROBE_INDEX + index[0] * 4 + (number * LANES / 2 + l / 2) as u32
+            });
+            let radiance = self
+                .tracer
+                .radiance_along(rays, depth, stream, &index, self.counts);
             for (i, (boundary, arc, s, count)) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l));
                 let jump = ((before - after) * (FAMILIES * (lanes * count) as f32)).to_array();
@@ -287,9 +383,16 @@ impl BounceCrossing {
         }
         let sin_psi = self.local[self.axis as usize];
         let cos2_psi = 1.0 - sin_psi * sin_psi;
-        let scale = -along[self.axis as usize] / norm * 2.0 * cos2_psi * std::f64::consts::FRAC_1_PI;
+        let scale =
+            -along[self.axis as usize] / norm * 2.0 * cos2_psi * std::f64::consts::FRAC_1_PI;
         let survival = vertices.survival;
-        let colour = lane_of(vertices.throughput.times(vertices.reflectance) * survival, lane).to_array();
-        Some(std::array::from_fn(|i| scale * (colour[i] * self.jump[i]) as f64))
+        let colour = lane_of(
+            vertices.throughput.times(vertices.reflectance) * survival,
+            lane,
+        )
+        .to_array();
+        Some(std::array::from_fn(|i| {
+            scale * (colour[i] * self.jump[i]) as f64
+        }))
     }
 }

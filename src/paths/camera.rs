@@ -44,7 +44,10 @@ impl Camera {
     /// The camera's tangents at a film point: what [`camera_direction`] takes.
     pub fn film_to_camera<F: Real>(&self, u: F, v: F) -> (F, F) {
         let scale = F::splat(self.scale);
-        (F::splat(self.offset[0]) + scale * u, F::splat(self.offset[1]) + scale * v)
+        (
+            F::splat(self.offset[0]) + scale * u,
+            F::splat(self.offset[1]) + scale * v,
+        )
     }
 
     /// Direction through the film point (`u`, `v`), in pixels of the crop window.
@@ -57,11 +60,18 @@ impl Camera {
     /// How the direction changes per pixel to the right and down.
     pub fn direction_per_pixel(&self) -> [DVec3; 2] {
         let step = self.tan_half_x_fov * self.scale;
-        [self.axes[0].as_dvec3() * step, self.axes[1].as_dvec3() * step]
+        [
+            self.axes[0].as_dvec3() * step,
+            self.axes[1].as_dvec3() * step,
+        ]
     }
 }
 
 /// A constant vector in every lane.
 pub fn splat<F: Real>(v: Vec3) -> V3<F> {
-    V3::new(F::splat(v.x as f64), F::splat(v.y as f64), F::splat(v.z as f64))
+    V3::new(
+        F::splat(v.x as f64),
+        F::splat(v.y as f64),
+        F::splat(v.z as f64),
+    )
 }

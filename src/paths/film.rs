@@ -34,12 +34,20 @@ impl FilmFilter {
             (0..size[i])
                 .map(|j| {
                     let centre = j as f64 + 0.5;
-                    let (from, to) = (lattice.start[i] as f64 - centre, lattice.end[i] as f64 - centre);
+                    let (from, to) = (
+                        lattice.start[i] as f64 - centre,
+                        lattice.end[i] as f64 - centre,
+                    );
                     1.0 / filter.integral(from.max(-radius), to.min(radius))
                 })
                 .collect()
         });
-        Self { filter, radius, size: size.map(|s| s as usize), normalisation }
+        Self {
+            filter,
+            radius,
+            size: size.map(|s| s as usize),
+            normalisation,
+        }
     }
 
     /// Pixels around the film whose samples reach it.
@@ -54,10 +62,15 @@ impl FilmFilter {
         let high = (u + self.radius - 0.5).floor() as i64;
         let first = low.max(0) as usize;
         let end = ((high + 1).max(0) as usize).min(self.size[i]);
-        let mut taps = Taps { first, count: end.saturating_sub(first).min(MAX_REACH), weight: [0.0; MAX_REACH] };
+        let mut taps = Taps {
+            first,
+            count: end.saturating_sub(first).min(MAX_REACH),
+            weight: [0.0; MAX_REACH],
+        };
         for k in 0..taps.count {
             let j = first + k;
-            taps.weight[k] = (self.filter.value(u - (j as f64 + 0.5)) * self.normalisation[i][j]) as f32;
+            taps.weight[k] =
+                (self.filter.value(u - (j as f64 + 0.5)) * self.normalisation[i][j]) as f32;
         }
         taps
     }
@@ -67,10 +80,16 @@ impl FilmFilter {
         (0..tile.points[i])
             .map(|p| {
                 if !tile.is_inner(i, p) {
-                    return Taps { first: 0, count: 0, weight: [0.0; MAX_REACH] };
+                    return Taps {
+                        first: 0,
+                        count: 0,
+                        weight: [0.0; MAX_REACH],
+                    };
                 }
                 let mut taps = self.taps(i, tile.position(i, p));
-                taps.weight.iter_mut().for_each(|w| *w *= tile.step[i] as f32);
+                taps.weight
+                    .iter_mut()
+                    .for_each(|w| *w *= tile.step[i] as f32);
                 taps
             })
             .collect()
@@ -111,13 +130,21 @@ impl Filter {
             let h = (b - a) / (2 * PIECES) as f64;
             let sum: f64 = (0..=2 * PIECES)
                 .map(|k| {
-                    let weight = if k == 0 || k == 2 * PIECES { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+                    let weight = if k == 0 || k == 2 * PIECES {
+                        1.0
+                    } else {
+                        2.0 + 2.0 * (k % 2) as f64
+                    };
                     weight * self.value(a + k as f64 * h)
                 })
                 .sum();
             sum * h / 3.0
         };
-        if from < 0.0 && to > 0.0 { simpson(from, 0.0) + simpson(0.0, to) } else { simpson(from, to) }
+        if from < 0.0 && to > 0.0 {
+            simpson(from, 0.0) + simpson(0.0, to)
+        } else {
+            simpson(from, to)
+        }
     }
 }
 
@@ -138,7 +165,11 @@ impl Block {
             let end = (tile.end[i] as i64 + reach).clamp(0, filter.size[i] as i64) as usize;
             end.saturating_sub(start[i])
         });
-        Self { start, size, pixels: vec![[0.0; 3]; size[0] * size[1]] }
+        Self {
+            start,
+            size,
+            pixels: vec![[0.0; 3]; size[0] * size[1]],
+        }
     }
 
     /// Adds the block to an image that is `width` pixels wide.
@@ -181,7 +212,8 @@ impl Block {
     pub fn add_point(&mut self, x_taps: &Taps, y_taps: &Taps, value: Rgb) {
         for (jy, wy) in y_taps.iter() {
             for (jx, wx) in x_taps.iter() {
-                let pixel = &mut self.pixels[(jy - self.start[1]) * self.size[0] + jx - self.start[0]];
+                let pixel =
+                    &mut self.pixels[(jy - self.start[1]) * self.size[0] + jx - self.start[0]];
                 for c in 0..3 {
                     pixel[c] += wx * wy * value[c];
                 }
@@ -191,13 +223,24 @@ impl Block {
 }
 
 /// What [`Block::add_row`] multiplies each value with, given the cotangents of all pixels: Σ_j w_j Ī_j.
-pub fn gather_row(adjoint: &[Rgb], width: usize, x_taps: &[Taps], y_taps: &Taps, out: &mut Vec<Rgb>) {
+pub fn gather_row(
+    adjoint: &[Rgb],
+    width: usize,
+    x_taps: &[Taps],
+    y_taps: &Taps,
+    out: &mut Vec<Rgb>,
+) {
     out.clear();
     out.resize(x_taps.len(), [0.0; 3]);
     if y_taps.count == 0 {
         return;
     }
-    let low = x_taps.iter().filter(|t| t.count > 0).map(|t| t.first).min().unwrap_or(0);
+    let low = x_taps
+        .iter()
+        .filter(|t| t.count > 0)
+        .map(|t| t.first)
+        .min()
+        .unwrap_or(0);
     let high = x_taps.iter().map(|t| t.first + t.count).max().unwrap_or(0);
     let mut row = vec![[0.0f32; 3]; high.saturating_sub(low)];
     for (j, w) in y_taps.iter() {

@@ -11,8 +11,8 @@
 
 use super::lattice::Tile;
 use super::store::FilmCrossing;
-use super::tracer::{Counts, RayPacket, Tracer, from_lanes};
 use super::tile::to_rgb;
+use super::tracer::{Counts, RayPacket, Tracer, from_lanes};
 use crate::lanes::LANES;
 use crate::paths::camera::splat;
 use crate::scene::Rgb;
@@ -56,15 +56,41 @@ pub fn find(
         let stride = if axis == 0 { 1 } else { columns };
         for row in 0..rows - axis {
             for column in 0..columns - (1 - axis) {
-                let inner = if axis == 0 { tile.is_inner(1, row) } else { tile.is_inner(0, column) };
+                let inner = if axis == 0 {
+                    tile.is_inner(1, row)
+                } else {
+                    tile.is_inner(0, column)
+                };
                 let at = row * columns + column;
                 let (a, b) = (image.triangle[at], image.triangle[at + stride]);
                 if inner && a != b && moves(a, b) {
-                    let choice = tile.stream.uniform(CHOICE + (axis * columns * rows + at) as u32) as f64;
+                    let dimension = CHOICE + (axis * columns * rows + at) as u32;
+                    let mut choice = tile.stream.uniform(dimension) as f64;
+                    // Equal radiances mostly mean that there is no jump, unless both are in shadow.
+                    let mut weight = 1;
+                    let radiance = image.radiance[at];
+                    if radiance == image.radiance[at + stride] && radiance != [0.0; 3] {
+                        weight = UNLIKELY;
+                        choice *= UNLIKELY as f64;
+                        if choice >= 1.0 {
+                            continue;
+                        }
+                    }
                     let start = [tile.position(0, column), tile.position(1, row)];
-                    let cell = Cell { tracer, adjacency, tile, start, axis };
+                    let cell = Cell {
+                        tracer,
+                        adjacency,
+                        tile,
+                        start,
+                        axis,
+                    };
                     match cell.crossings([a, b], choice) {
-                        Ok(found) => candidates.extend(found.into_iter().flatten()),
+                        Ok(found) => {
+                            candidates.extend(found.into_iter().flatten().map(|c| Candidate {
+                                count: c.count * weight,
+                                ..c
+                            }))
+                        }
                         Err(Unresolved) => counts.unresolved += 1,
                     }
                 }
@@ -73,6 +99,9 @@ pub fn find(
     }
     probe(tracer, tile, &candidates, counts)
 }
+
+/// Of the cells whose ends look alike one in this many is searched, and stands for all.
+const UNLIKELY: u32 = 8;
 
 /// Dimensions from here on choose among several edges in a cell.
 const CHOICE: u32 = 16;
@@ -93,7 +122,11 @@ struct Cell<'a> {
 
 impl Cell<'_> {
     /// What lies between the triangles seen at its ends, as far as it lies in the tile.
-    fn crossings(&self, triangles: [u32; 2], choice: f64) -> Result<[Option<Candidate>; 2], Unresolved> {
+    fn crossings(
+        &self,
+        triangles: [u32; 2],
+        choice: f64,
+    ) -> Result<[Option<Candidate>; 2], Unresolved> {
         let camera = &self.tracer.camera;
         let axis = self.axis;
         let direction = |along: f64| {
@@ -101,18 +134,39 @@ impl Cell<'_> {
             at[axis] += along * self.tile.step[axis];
             (at, dvec3(camera.direction(at[0], at[1])))
         };
-        let arc = Arc { origin: camera.origin.as_dvec3(), a: direction(0.0).1, b: direction(1.0).1 };
-        let found = between(self.tracer.geometry, self.adjacency, &arc, triangles, choice, 2.0 * beside(self.tile, axis) / self.tile.step[axis])?;
+        let arc = Arc {
+            origin: camera.origin.as_dvec3(),
+            a: direction(0.0).1,
+            b: direction(1.0).1,
+        };
+        let found = between(
+            self.tracer.geometry,
+            self.adjacency,
+            &arc,
+            triangles,
+            choice,
+            2.0 * beside(self.tile, axis) / self.tile.step[axis],
+        )?;
         Ok(found.map(|crossing| {
             let Crossing { boundary, s, count } = crossing?;
             let (at, _) = direction(s);
-            self.tile.contains(at[0], at[1]).then_some(Candidate { boundary, axis, at, count })
+            self.tile.contains(at[0], at[1]).then_some(Candidate {
+                boundary,
+                axis,
+                at,
+                count,
+            })
         }))
     }
 }
 
 /// Looks on both sides of each candidate; those without a jump are dropped.
-fn probe(tracer: &Tracer, tile: &Tile, candidates: &[Candidate], counts: &mut Counts) -> Vec<FilmCrossing> {
+fn probe(
+    tracer: &Tracer,
+    tile: &Tile,
+    candidates: &[Candidate],
+    counts: &mut Counts,
+) -> Vec<FilmCrossing> {
     let mut found = Vec::new();
     for (number, group) in candidates.chunks(LANES / 2).enumerate() {
         let mut directions = [Vec3::Z; LANES];
@@ -136,12 +190,20 @@ fn probe(tracer: &Tracer, tile: &Tile, candidates: &[Candidate], counts: &mut Co
         let radiance = to_rgb(tracer.radiance_along(rays, 0, &tile.stream, &index, counts));
         for (i, candidate) in group.iter().enumerate() {
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
-            let jump: Rgb = std::array::from_fn(|c| (before[c] - after[c]) * candidate.count as f32);
+            let jump: Rgb =
+                std::array::from_fn(|c| (before[c] - after[c]) * candidate.count as f32);
             if jump.iter().any(|j| !j.is_finite()) {
                 counts.not_finite += 1;
             } else if jump != [0.0; 3] {
-                let Candidate { boundary, axis, at, .. } = *candidate;
-                found.push(FilmCrossing { boundary, axis: axis as u8, at, jump });
+                let Candidate {
+                    boundary, axis, at, ..
+                } = *candidate;
+                found.push(FilmCrossing {
+                    boundary,
+                    axis: axis as u8,
+                    at,
+                    jump,
+                });
             }
         }
     }

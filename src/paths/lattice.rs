@@ -42,7 +42,10 @@ impl Lattice {
     pub fn new(samples: u32, size: [u32; 2], border: u32) -> Self {
         let samples = samples.max(1) as usize;
         // The divisor nearest the square root: as square as the number allows.
-        let rows = (1..=samples.isqrt()).rev().find(|r| samples % r == 0).unwrap_or(1);
+        let rows = (1..=samples.isqrt())
+            .rev()
+            .find(|r| samples.is_multiple_of(*r))
+            .unwrap_or(1);
         let per_pixel = [samples / rows, rows];
         let start = [-(border as i32); 2];
         let end = size.map(|s| (s + border) as i32);
@@ -50,7 +53,12 @@ impl Lattice {
             let pixels = (end[i] - start[i]) as usize;
             pixels.div_ceil(((POINTS_PER_SIDE - 2) / per_pixel[i]).max(1))
         });
-        Self { per_pixel, start, end, tiles }
+        Self {
+            per_pixel,
+            start,
+            end,
+            tiles,
+        }
     }
 
     pub fn tile_count(&self) -> usize {
@@ -93,6 +101,9 @@ impl Tile {
 
     /// Whether a film position lies in the tile.
     pub fn contains(&self, u: f64, v: f64) -> bool {
-        u >= self.start[0] as f64 && u < self.end[0] as f64 && v >= self.start[1] as f64 && v < self.end[1] as f64
+        u >= self.start[0] as f64
+            && u < self.end[0] as f64
+            && v >= self.start[1] as f64
+            && v < self.end[1] as f64
     }
 }

@@ -11,8 +11,8 @@
 //! of a pair, and no kernel width: a silhouette that crosses a line is found with certainty if it crosses the
 //! cell once. Two silhouettes in one cell are missed together; where they move alike their parts cancel.
 
-use super::store::{LightCrossing, Vertices, lane_mask};
 use super::occluders::{SurfacePoint, follow_occluders};
+use super::store::{LightCrossing, Vertices, lane_mask};
 use super::tracer::{Counts, RayPacket, SHADOW_FAR, Surface, Tracer, lane_of, leave, to_rays};
 use crate::lanes::{LANES, Lane, Real};
 use crate::trace::Coherence;
@@ -57,7 +57,13 @@ pub fn find(
         for lane in 0..LANES {
             let p = &tracer.lights.patches[patch[lane] as usize];
             let range = [RIM, p.line_end(fixed[lane]) - RIM];
-            let point = |at: f32| if axis == 0 { p.point(at, fixed[lane]) } else { p.point(fixed[lane], at) };
+            let point = |at: f32| {
+                if axis == 0 {
+                    p.point(at, fixed[lane])
+                } else {
+                    p.point(fixed[lane], at)
+                }
+            };
             let (x, n) = (lane_of(surface.x, lane), lane_of(surface.n, lane));
             match above_horizon(range, range.map(|at| n.dot(point(at) - x))) {
                 Some([from, to]) => (ends[0][lane], ends[1][lane]) = (from, to),
@@ -65,12 +71,24 @@ pub fn find(
             }
         }
         let visible = ends.map(|end| {
-            let (s, r) = if axis == 0 { (&end, fixed) } else { (fixed, &end) };
+            let (s, r) = if axis == 0 {
+                (&end, fixed)
+            } else {
+                (fixed, &end)
+            };
             let y = tracer.patch_points(patch, s, r);
             let origin = leave(surface.x, surface.geometric, y - surface.x);
-            let rays = RayPacket { active, origin, direction: y - origin, near: 0.0, far: SHADOW_FAR };
+            let rays = RayPacket {
+                active,
+                origin,
+                direction: y - origin,
+                near: 0.0,
+                far: SHADOW_FAR,
+            };
             counts.light_cell += active.count_ones() as u64;
-            !tracer.accel.occluded(&to_rays(&rays), active, Coherence::Incoherent)
+            !tracer
+                .accel
+                .occluded(&to_rays(&rays), active, Coherence::Incoherent)
         });
         let jumps = (visible[0] ^ visible[1])
             | choice.on_lines & ((visible[0] ^ choice.visible) | (visible[1] ^ choice.visible));
@@ -82,7 +100,13 @@ pub fn find(
             }
             points.push((ends[1][lane], sees(visible[1])));
             for pair in points.windows(2).filter(|p| p[0].1 != p[1].1) {
-                let cell = Cell { lane, axis, patch: patch[lane], fixed: fixed[lane], ends: [pair[0], pair[1]] };
+                let cell = Cell {
+                    lane,
+                    axis,
+                    patch: patch[lane],
+                    fixed: fixed[lane],
+                    ends: [pair[0], pair[1]],
+                };
                 match cell.resolve(tracer, adjacency, surface, counts) {
                     Some(crossing) => out.push(crossing),
                     None => counts.unresolved += 1,
@@ -105,15 +129,24 @@ fn above_horizon([from, to]: [f32; 2], [low, high]: [f32; 2]) -> Option<[f32; 2]
 }
 
 /// Lanes that stand on the bright side of their patch and reflect anything.
-fn facing_light(tracer: &Tracer, vertices: &Vertices, surface: &Surface, patch: &[u32; LANES]) -> u32 {
+fn facing_light(
+    tracer: &Tracer,
+    vertices: &Vertices,
+    surface: &Surface,
+    patch: &[u32; LANES],
+) -> u32 {
     let mut bits = 0;
     for l in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
         let p = &tracer.lights.patches[patch[l] as usize];
-        let front = p.edges[0].cross(p.edges[1]).dot(lane_of(surface.x, l) - p.corner) > 0.0;
+        let front = p.edges[0]
+            .cross(p.edges[1])
+            .dot(lane_of(surface.x, l) - p.corner)
+            > 0.0;
         bits |= (front as u32) << l;
     }
     let rho = vertices.reflectance;
-    bits & lane_mask(vertices.hit).to_bits() & rho.x.max(rho.y).max(rho.z).gt(Lane::splat(0.0)).to_bits()
+    bits & lane_mask(vertices.hit).to_bits()
+        & rho.x.max(rho.y).max(rho.z).gt(Lane::splat(0.0)).to_bits()
 }
 
 /// An interval of a line whose ends differ in visibility.
@@ -140,21 +173,40 @@ impl Cell {
         let x = lane_of(surface.x, self.lane).as_dvec3();
         let point = |at: f64| -> DVec3 {
             let at = at as f32;
-            let y = if self.axis == 0 { patch.point(at, self.fixed) } else { patch.point(self.fixed, at) };
+            let y = if self.axis == 0 {
+                patch.point(at, self.fixed)
+            } else {
+                patch.point(self.fixed, at)
+            };
             y.as_dvec3() - x
         };
         let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
         let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
         let from_surface = SurfacePoint::of_lane(surface, self.lane);
-        let (fold, at) =
-            follow_occluders(tracer, adjacency, &from_surface, &point, [from, to], SHADOW_FAR, counts)?;
+        let (fold, at) = follow_occluders(
+            tracer,
+            adjacency,
+            &from_surface,
+            &point,
+            [from, to],
+            SHADOW_FAR,
+            counts,
+        )?;
         let fixed = self.fixed as f64;
         Some(LightCrossing {
-            boundary: Boundary::Point { edge: fold.edge, along: fold.along, line: patch.edges[1 - self.axis].as_dvec3() },
+            boundary: Boundary::Point {
+                edge: fold.edge,
+                along: fold.along,
+                line: patch.edges[1 - self.axis].as_dvec3(),
+            },
             lane: self.lane as u8,
             axis: self.axis as u8,
             patch: self.patch,
-            at: if self.axis == 0 { [at, fixed] } else { [fixed, at] },
+            at: if self.axis == 0 {
+                [at, fixed]
+            } else {
+                [fixed, at]
+            },
             jump: if dark == 0 { -1.0 } else { 1.0 },
         })
     }

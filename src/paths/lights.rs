@@ -42,7 +42,8 @@ impl Lights {
         let mut patches = Vec::new();
         let mut power = Vec::new();
         for (index, light) in scene.area_lights.iter().enumerate() {
-            let range = geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
+            let range =
+                geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
             let level = luminance(light.radiance);
             for mut patch in pair_triangles(geometry, range) {
                 patch.light = index as u32;
@@ -68,8 +69,17 @@ impl Lights {
             sum += probability;
             cumulative.push(sum as f32);
         }
-        let of_mesh = scene.meshes.iter().map(|m| m.area_light.map(|l| l as u32)).collect();
-        Self { patches, cumulative, of_mesh, pdf_area }
+        let of_mesh = scene
+            .meshes
+            .iter()
+            .map(|m| m.area_light.map(|l| l as u32))
+            .collect();
+        Self {
+            patches,
+            cumulative,
+            of_mesh,
+            pdf_area,
+        }
     }
 
     /// Whether there is nothing to sample.
@@ -85,10 +95,18 @@ impl Lights {
         let mut patch = [0; LANES];
         let mut rest = u.to_array();
         for lane in 0..LANES {
-            let at = self.cumulative.partition_point(|&c| c <= rest[lane]).min(self.patches.len() - 1);
-            let below = if at == 0 { 0.0 } else { self.cumulative[at - 1] };
+            let at = self
+                .cumulative
+                .partition_point(|&c| c <= rest[lane])
+                .min(self.patches.len() - 1);
+            let below = if at == 0 {
+                0.0
+            } else {
+                self.cumulative[at - 1]
+            };
             patch[lane] = at as u32;
-            rest[lane] = ((rest[lane] - below) / self.patches[at].probability).clamp(0.0, 1.0 - 6e-8);
+            rest[lane] =
+                ((rest[lane] - below) / self.patches[at].probability).clamp(0.0, 1.0 - 6e-8);
         }
         (patch, Lane::new(rest))
     }
@@ -111,7 +129,11 @@ impl Patch {
 
     /// How far the line through (`s`, `r`) along axis 0 or 1 reaches: from 0 up to this.
     pub fn line_end(&self, fixed: f32) -> f32 {
-        if self.upper.is_some() { 1.0 } else { 1.0 - fixed }
+        if self.upper.is_some() {
+            1.0
+        } else {
+            1.0 - fixed
+        }
     }
 }
 
@@ -136,7 +158,8 @@ fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch
                 let w = geometry.triangles[other as usize];
                 let far = position(from) + position(to) - position(v[c]);
                 let scale = (position(from) - position(to)).length();
-                let free = !taken[(t - range.start) as usize] && !taken[(other - range.start) as usize];
+                let free =
+                    !taken[(t - range.start) as usize] && !taken[(other - range.start) as usize];
                 if free && (position(w[k]) - far).length() <= 1e-5 * scale {
                     taken[(t - range.start) as usize] = true;
                     taken[(other - range.start) as usize] = true;
@@ -158,7 +181,14 @@ fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch
             None => (rotated(t, 0), None),
         };
         let [q, a, b] = lower.map(position);
-        patches.push(Patch { lower, upper, corner: q, edges: [a - q, b - q], light: 0, probability: 0.0 });
+        patches.push(Patch {
+            lower,
+            upper,
+            corner: q,
+            edges: [a - q, b - q],
+            light: 0,
+            probability: 0.0,
+        });
     }
     patches
 }

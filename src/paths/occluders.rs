@@ -20,7 +20,10 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     pub fn of_lane(surface: &Surface, lane: usize) -> Self {
-        Self { x: lane_of(surface.x, lane), geometric: lane_of(surface.geometric, lane) }
+        Self {
+            x: lane_of(surface.x, lane),
+            geometric: lane_of(surface.geometric, lane),
+        }
     }
 
     /// The first triangle on the way to x + `d`·`far`.
@@ -32,7 +35,9 @@ impl SurfacePoint {
         let mut ray = Rays::<1>::default();
         ray.set(0, self.x + self.geometric * step, d, 0.0, far);
         let mut hit = Hits::<1>::default();
-        tracer.accel.intersect(&ray, 1, &mut hit, Coherence::Incoherent);
+        tracer
+            .accel
+            .intersect(&ray, 1, &mut hit, Coherence::Incoherent);
         match hit.mesh[0] {
             MISS => NO_TRIANGLE,
             mesh => tracer.geometry.first_triangle[mesh as usize] + hit.triangle[0],
@@ -59,8 +64,21 @@ pub fn follow_occluders(
         if triangle == NO_TRIANGLE {
             return None;
         }
-        let arc = Arc { origin, a: direction(at), b: direction(to) };
-        let Walk::Fold(fold) = walk(tracer.geometry, adjacency, &arc, [triangle, NO_TRIANGLE], 1.0, &mut Reservoir::closed()) else { return None };
+        let arc = Arc {
+            origin,
+            a: direction(at),
+            b: direction(to),
+        };
+        let Walk::Fold(fold) = walk(
+            tracer.geometry,
+            adjacency,
+            &arc,
+            [triangle, NO_TRIANGLE],
+            1.0,
+            &mut Reservoir::closed(),
+        ) else {
+            return None;
+        };
         let crossing = at + fold.s.max(0.0) * (to - at);
         at = crossing + PROBE * (to - from);
         let is_past_end = (to - at) * (to - from) <= 0.0;

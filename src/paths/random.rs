@@ -25,12 +25,17 @@ impl Stream {
 
     /// One uniform number in [0, 1) for the whole stream.
     pub fn uniform(&self, dimension: u32) -> f32 {
-        to_unit(mix(self.0 ^ mix(dimension.wrapping_mul(0x27d4_eb2f).wrapping_add(1))))
+        to_unit(mix(
+            self.0 ^ mix(dimension.wrapping_mul(0x27d4_eb2f).wrapping_add(1))
+        ))
     }
 
     /// Two-dimensional points of the pair `dimension` at the given indices, in [0, 1)².
     pub fn pair(&self, index: &U, dimension: u32) -> (Lane, Lane) {
-        let key = mix(self.0 ^ mix(dimension.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15)));
+        let key = mix(self.0
+            ^ mix(dimension
+                .wrapping_mul(0x9e37_79b1)
+                .wrapping_add(0x7f4a_7c15)));
         let (k0, k1, k2) = (mix(key), mix(key ^ 0x68bc_21eb), mix(key ^ 0x02e5_be93));
         let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
@@ -116,7 +121,10 @@ mod tests {
                     for &(x, y) in &points {
                         hit[(x * nx as f32) as usize * ny + (y * ny as f32) as usize] += 1;
                     }
-                    assert!(hit.iter().all(|&h| h == 1), "k={k} a={a} dimension={dimension}");
+                    assert!(
+                        hit.iter().all(|&h| h == 1),
+                        "k={k} a={a} dimension={dimension}"
+                    );
                 }
             }
         }

@@ -43,9 +43,16 @@ pub struct Vertices {
 impl Vertices {
     /// Where a lane's ray ends, in f64.
     pub fn position(&self, geometry: &Geometry, lane: usize) -> DVec3 {
-        let of = |v: V3<Lane>| DVec3::new(v.x.to_array()[lane] as f64, v.y.to_array()[lane] as f64, v.z.to_array()[lane] as f64);
+        let of = |v: V3<Lane>| {
+            DVec3::new(
+                v.x.to_array()[lane] as f64,
+                v.y.to_array()[lane] as f64,
+                v.z.to_array()[lane] as f64,
+            )
+        };
         let (o, d) = (of(self.origin), of(self.direction));
-        let [p, q, r] = geometry.triangles[self.triangle[lane] as usize].map(|v| geometry.positions[v as usize].as_dvec3());
+        let [p, q, r] = geometry.triangles[self.triangle[lane] as usize]
+            .map(|v| geometry.positions[v as usize].as_dvec3());
         let n = (q - p).cross(r - p);
         o + d * (n.dot(p - o) / n.dot(d))
     }
@@ -76,7 +83,13 @@ impl Default for Vertices {
             throughput: V3::splat(1.0),
             reflectance: V3::splat(0.0),
             emission_weight: zero,
-            light: LightSamples { patch: [0; LANES], s: zero, r: zero, weight: zero, irradiance: zero },
+            light: LightSamples {
+                patch: [0; LANES],
+                s: zero,
+                r: zero,
+                weight: zero,
+                irradiance: zero,
+            },
             local: [zero, zero, one],
             survival: zero,
             crossings: [0; 2],

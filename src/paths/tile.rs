@@ -34,7 +34,13 @@ pub struct FilmPacket {
 impl TracedTile {
     /// Traces the tile. If the tracer looks for silhouettes the paths are stored, and the film's cells are searched for
     /// those that `moves`.
-    pub fn trace(tracer: &Tracer, filter: &FilmFilter, tile: Tile, keep: bool, moves: impl Fn(u32, u32) -> bool) -> Self {
+    pub fn trace(
+        tracer: &Tracer,
+        filter: &FilmFilter,
+        tile: Tile,
+        keep: bool,
+        moves: impl Fn(u32, u32) -> bool,
+    ) -> Self {
         let [columns, rows] = tile.points;
         let mut store = TileStore::default();
         store.clear();
@@ -55,7 +61,8 @@ impl TracedTile {
                 near: tracer.camera.near_clip,
                 far: tracer.camera.far_clip,
             };
-            let index = std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
+            let index =
+                std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
             tracer.trace(rays, &tile.stream, &index, &mut counts, &mut store);
             let path = store.path(store.depths.len() - 2);
             let radiance = to_rgb(tracer.radiance(path));
@@ -70,12 +77,23 @@ impl TracedTile {
             }
         }
         if let Some(adjacency) = tracer.adjacency {
-            store.film_crossings = film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
-            let found = [store.film_crossings.len(), store.light_crossings.len(), store.bounce_crossings.len()];
+            store.film_crossings =
+                film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
+            let found = [
+                store.film_crossings.len(),
+                store.light_crossings.len(),
+                store.bounce_crossings.len(),
+            ];
             counts.resolved += found.iter().sum::<usize>() as u64;
         }
         let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
-        Self { tile, store, image, counts, taps }
+        Self {
+            tile,
+            store,
+            image,
+            counts,
+            taps,
+        }
     }
 
     /// The tile's packets, in the order of the store.
@@ -87,7 +105,11 @@ impl TracedTile {
     pub fn splat(&self, values: &[Rgb], block: &mut Block) {
         let columns = self.tile.points[0];
         for (row, y_taps) in self.taps[1].iter().enumerate() {
-            block.add_row(&self.taps[0], y_taps, &values[row * columns..(row + 1) * columns]);
+            block.add_row(
+                &self.taps[0],
+                y_taps,
+                &values[row * columns..(row + 1) * columns],
+            );
         }
     }
 }

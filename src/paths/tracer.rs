@@ -7,11 +7,11 @@
 //! an integrand that is differentiated in coordinates which no strategy depends on, so freezing them is exact
 //! (METHODS §1.6 warns of freezing them where strategies move differently).
 
+use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
+use super::light_cells::{self, LineChoice};
 use super::lights::Lights;
 use super::random::Stream;
-use super::bounce_cells::{self, Seen};
-use super::light_cells::{self, LineChoice};
 use super::store::{LightSamples, TileStore, Vertices, lane_mask, masked};
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::light::triangle_irradiance;
@@ -131,14 +131,32 @@ impl Tracer<'_> {
     ) {
         let mut coherence = Coherence::Coherent;
         let mut throughput = V3::splat(1.0);
-        let mut emission_weight =
-            Lane::splat(if first_depth > 0 || self.limits.hide_emitters { 0.0 } else { 1.0 });
+        let mut emission_weight = Lane::splat(if first_depth > 0 || self.limits.hide_emitters {
+            0.0
+        } else {
+            1.0
+        });
         let mut previous: Option<Surface> = None;
         for depth in first_depth.. {
             let triangle = self.intersect(&rays, coherence);
-            *if depth == 0 { &mut counts.camera } else { &mut counts.bounce } += rays.active.count_ones() as u64;
+            *if depth == 0 {
+                &mut counts.camera
+            } else {
+                &mut counts.bounce
+            } += rays.active.count_ones() as u64;
             if let (Some(adjacency), Some(from)) = (self.adjacency, &previous) {
-                bounce_cells::find(self, adjacency, from, &rays, Seen::Triangles(&triangle), depth, stream, index, counts, store);
+                bounce_cells::find(
+                    self,
+                    adjacency,
+                    from,
+                    &rays,
+                    Seen::Triangles(&triangle),
+                    depth,
+                    stream,
+                    index,
+                    counts,
+                    store,
+                );
             }
             let mut vertices = Vertices {
                 origin: rays.origin,
@@ -149,7 +167,11 @@ impl Tracer<'_> {
             };
             for (lane, &t) in triangle.iter().enumerate() {
                 if rays.active >> lane & 1 == 1 {
-                    *(if t == NO_TRIANGLE { &mut vertices.escaped } else { &mut vertices.hit }) |= 1 << lane;
+                    *(if t == NO_TRIANGLE {
+                        &mut vertices.escaped
+                    } else {
+                        &mut vertices.hit
+                    }) |= 1 << lane;
                 }
             }
             if depth == 0 && self.limits.hide_emitters {
@@ -168,11 +190,24 @@ impl Tracer<'_> {
                 let bounces = goes_on || self.scene.environment.is_some();
                 let base = depth * PAIRS_PER_VERTEX;
                 if !self.lights.is_empty() {
-                    self.sample_lights(&mut vertices, &surface, stream, index, base, bounces, counts, store);
+                    self.sample_lights(
+                        &mut vertices,
+                        &surface,
+                        stream,
+                        index,
+                        base,
+                        bounces,
+                        counts,
+                        store,
+                    );
                 }
                 if bounces {
-                    let (next, alive) = self.bounce(&mut vertices, &surface, stream, index, base, depth);
-                    rays = RayPacket { active: alive, ..next };
+                    let (next, alive) =
+                        self.bounce(&mut vertices, &surface, stream, index, base, depth);
+                    rays = RayPacket {
+                        active: alive,
+                        ..next
+                    };
                     throughput = throughput.times(vertices.reflectance) * vertices.survival;
                     coherence = Coherence::Incoherent;
                     let last = !goes_on;
@@ -185,7 +220,18 @@ impl Tracer<'_> {
                         let end = self.last_bounce(&rays, throughput, counts);
                         if let Some(adjacency) = self.adjacency {
                             let sees = Seen::Environment(end.escaped);
-                            bounce_cells::find(self, adjacency, &surface, &rays, sees, depth + 1, stream, index, counts, store);
+                            bounce_cells::find(
+                                self,
+                                adjacency,
+                                &surface,
+                                &rays,
+                                sees,
+                                depth + 1,
+                                stream,
+                                index,
+                                counts,
+                                store,
+                            );
                         }
                         store.vertices.push(end);
                         return;
@@ -202,7 +248,9 @@ impl Tracer<'_> {
     /// The vertices of a bounce of which only the escape counts.
     fn last_bounce(&self, rays: &RayPacket, throughput: V3<Lane>, counts: &mut Counts) -> Vertices {
         counts.bounce += rays.active.count_ones() as u64;
-        let blocked = self.accel.occluded(&to_rays(rays), rays.active, Coherence::Incoherent);
+        let blocked = self
+            .accel
+            .occluded(&to_rays(rays), rays.active, Coherence::Incoherent);
         Vertices {
             origin: rays.origin,
             direction: rays.direction,
@@ -215,7 +263,8 @@ impl Tracer<'_> {
     /// The triangle each ray meets first.
     pub fn intersect(&self, rays: &RayPacket, coherence: Coherence) -> [u32; LANES] {
         let mut hits = Hits::<LANES>::default();
-        self.accel.intersect(&to_rays(rays), rays.active, &mut hits, coherence);
+        self.accel
+            .intersect(&to_rays(rays), rays.active, &mut hits, coherence);
         std::array::from_fn(|l| {
             if rays.active >> l & 1 == 1 && hits.mesh[l] != crate::trace::MISS {
                 self.geometry.first_triangle[hits.mesh[l] as usize] + hits.triangle[l]
@@ -239,7 +288,11 @@ impl Tracer<'_> {
             n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
         }
         vertices.facing = -(n.dot(d).signum());
-        Surface { x: o + d * t, n: n * vertices.facing, geometric }
+        Surface {
+            x: o + d * t,
+            n: n * vertices.facing,
+            geometric,
+        }
     }
 
     /// Lanes whose triangle is shaded smoothly.
@@ -249,8 +302,8 @@ impl Tracer<'_> {
         }
         (0..LANES).fold(0, |bits, l| {
             let t = triangle[l];
-            let smooth =
-                t != NO_TRIANGLE && self.geometry.smooth[self.geometry.mesh_of_triangle[t as usize] as usize];
+            let smooth = t != NO_TRIANGLE
+                && self.geometry.smooth[self.geometry.mesh_of_triangle[t as usize] as usize];
             bits | (smooth as u32) << l
         })
     }
@@ -260,7 +313,11 @@ impl Tracer<'_> {
         let facing = vertices.facing.to_array();
         vertices.reflectance = self.per_lane(&vertices.triangle, |mesh, lane| {
             let material = &self.scene.materials[self.scene.meshes[mesh].material];
-            if material.two_sided || facing[lane] > 0.0 { material.reflectance } else { [0.0; 3] }
+            if material.two_sided || facing[lane] > 0.0 {
+                material.reflectance
+            } else {
+                [0.0; 3]
+            }
         });
     }
 
@@ -269,7 +326,10 @@ impl Tracer<'_> {
         let mut rgb = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE {
-                let value = of(self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize, lane);
+                let value = of(
+                    self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize,
+                    lane,
+                );
                 for c in 0..3 {
                     rgb[c][lane] = value[c];
                 }
@@ -289,24 +349,29 @@ impl Tracer<'_> {
 
     /// A colour of each lane's light where its lit side was met; zero elsewhere.
     pub fn emitted(&self, vertices: &Vertices, of: impl Fn(usize) -> Rgb) -> V3<Lane> {
-        self.per_lane(&vertices.triangle, |mesh, lane| match self.lights.of_mesh[mesh] {
-            Some(light) if self.sees_front(vertices, lane) => of(light as usize),
-            _ => [0.0; 3],
+        self.per_lane(&vertices.triangle, |mesh, lane| {
+            match self.lights.of_mesh[mesh] {
+                Some(light) if self.sees_front(vertices, lane) => of(light as usize),
+                _ => [0.0; 3],
+            }
         })
     }
 
     /// Lanes whose material reflects on both sides.
     pub fn two_sided(&self, vertices: &Vertices) -> u32 {
-        (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1).fold(0, |bits, l| {
-            let mesh = self.geometry.mesh_of_triangle[vertices.triangle[l] as usize] as usize;
-            bits | (self.scene.materials[self.scene.meshes[mesh].material].two_sided as u32) << l
-        })
+        (0..LANES)
+            .filter(|&l| vertices.hit >> l & 1 == 1)
+            .fold(0, |bits, l| {
+                let mesh = self.geometry.mesh_of_triangle[vertices.triangle[l] as usize] as usize;
+                bits | (self.scene.materials[self.scene.meshes[mesh].material].two_sided as u32)
+                    << l
+            })
     }
 
     /// Whether a lane's ray meets the side of the triangle from which it is wound counter-clockwise.
     pub fn sees_front(&self, vertices: &Vertices, lane: usize) -> bool {
-        let [p, q, r] =
-            self.geometry.triangles[vertices.triangle[lane] as usize].map(|v| self.geometry.positions[v as usize]);
+        let [p, q, r] = self.geometry.triangles[vertices.triangle[lane] as usize]
+            .map(|v| self.geometry.positions[v as usize]);
         lane_of(vertices.direction, lane).dot((q - p).cross(r - p)) < 0.0
     }
 
@@ -318,7 +383,8 @@ impl Tracer<'_> {
         let corners = self.geometry.corners(&vertices.triangle);
         let v = self.geometry.gather_positions(&corners);
         let d = vertices.direction;
-        let (t, _, _) = crate::kernels::triangle::triangle_hit(vertices.origin, d, v[0], v[1], v[2]);
+        let (t, _, _) =
+            crate::kernels::triangle::triangle_hit(vertices.origin, d, v[0], v[1], v[2]);
         let cos_light = -(d.dot(face_normal(v[0], v[1], v[2])));
         let cos = from.n.dot(d);
         let pdf_area = self.per_lane(&vertices.triangle, |mesh, _| {
@@ -328,7 +394,8 @@ impl Tracer<'_> {
         let bounce = cos * cos_light * Lane::splat(std::f32::consts::FRAC_1_PI);
         let light = pdf_area.x * t * t;
         let weight = bounce * bounce / (bounce * bounce + light * light);
-        let emits = lane_mask(vertices.hit) & light.gt(Lane::splat(0.0)) & cos_light.gt(Lane::splat(0.0));
+        let emits =
+            lane_mask(vertices.hit) & light.gt(Lane::splat(0.0)) & cos_light.gt(Lane::splat(0.0));
         <Lane as Real>::select(emits, weight, Lane::splat(0.0))
     }
 
@@ -387,9 +454,23 @@ impl Tracer<'_> {
         };
         if let Some(adjacency) = self.adjacency {
             let [s, r] = drawn;
-            let choice = LineChoice { s, r, on_lines: lit.to_bits() & !folded, visible };
+            let choice = LineChoice {
+                s,
+                r,
+                on_lines: lit.to_bits() & !folded,
+                visible,
+            };
             let first = store.light_crossings.len() as u32;
-            light_cells::find(self, adjacency, vertices, surface, &patch, &choice, counts, &mut store.light_crossings);
+            light_cells::find(
+                self,
+                adjacency,
+                vertices,
+                surface,
+                &patch,
+                &choice,
+                counts,
+                &mut store.light_crossings,
+            );
             vertices.crossings = [first, store.light_crossings.len() as u32];
         }
     }
@@ -425,7 +506,12 @@ impl Tracer<'_> {
     }
 
     /// Points of each lane's patch.
-    pub fn patch_points(&self, patch: &[u32; LANES], s: &[f32; LANES], r: &[f32; LANES]) -> V3<Lane> {
+    pub fn patch_points(
+        &self,
+        patch: &[u32; LANES],
+        s: &[f32; LANES],
+        r: &[f32; LANES],
+    ) -> V3<Lane> {
         let points: [Vec3; LANES] =
             std::array::from_fn(|l| self.lights.patches[patch[l] as usize].point(s[l], r[l]));
         from_lanes(&points)
@@ -437,9 +523,18 @@ impl Tracer<'_> {
             return 0;
         }
         let origin = leave(surface.x, surface.geometric, y - surface.x);
-        let rays = RayPacket { active, origin, direction: y - origin, near: 0.0, far: SHADOW_FAR };
+        let rays = RayPacket {
+            active,
+            origin,
+            direction: y - origin,
+            near: 0.0,
+            far: SHADOW_FAR,
+        };
         counts.shadow += active.count_ones() as u64;
-        active & !self.accel.occluded(&to_rays(&rays), active, Coherence::Incoherent)
+        active
+            & !self
+                .accel
+                .occluded(&to_rays(&rays), active, Coherence::Incoherent)
     }
 
     /// Draws the next direction and decides who goes on.
@@ -469,7 +564,13 @@ impl Tracer<'_> {
         }
         vertices.survival = <Lane as Real>::select(alive, survival, zero);
         let origin = leave(surface.x, surface.geometric, direction);
-        let rays = RayPacket { active: 0, origin, direction, near: 0.0, far: f32::INFINITY };
+        let rays = RayPacket {
+            active: 0,
+            origin,
+            direction,
+            near: 0.0,
+            far: f32::INFINITY,
+        };
         (rays, alive.to_bits())
     }
 
@@ -479,7 +580,11 @@ impl Tracer<'_> {
         for vertices in path {
             sum = sum + vertices.throughput.times(self.arriving(vertices));
             if vertices.hit != 0 && !self.lights.is_empty() {
-                sum = sum + vertices.throughput.times(vertices.reflectance).times(self.sampled_light(vertices));
+                sum = sum
+                    + vertices
+                        .throughput
+                        .times(vertices.reflectance)
+                        .times(self.sampled_light(vertices));
             }
         }
         sum
@@ -487,7 +592,10 @@ impl Tracer<'_> {
 
     /// Emission and environment that the arriving rays found.
     pub fn arriving(&self, vertices: &Vertices) -> V3<Lane> {
-        let mut sum = masked(vertices.hit, self.emission(vertices) * vertices.emission_weight);
+        let mut sum = masked(
+            vertices.hit,
+            self.emission(vertices) * vertices.emission_weight,
+        );
         if let (Some(environment), true) = (&self.scene.environment, vertices.escaped != 0) {
             sum = sum + masked(vertices.escaped, splat(Vec3::from(environment.radiance)));
         }
@@ -513,7 +621,11 @@ impl Tracer<'_> {
     /// A colour of the light to which each lane's patch belongs.
     pub fn per_patch(&self, patch: &[u32; LANES], of: impl Fn(usize) -> Rgb) -> V3<Lane> {
         let of = |p: u32| Vec3::from(of(self.lights.patches[p as usize].light as usize));
-        if self.scene.area_lights.len() == 1 { splat(of(0)) } else { from_lanes(&patch.map(of)) }
+        if self.scene.area_lights.len() == 1 {
+            splat(of(0))
+        } else {
+            from_lanes(&patch.map(of))
+        }
     }
 
     /// Radiance along rays that lead to vertex `depth` of a path; without emission there, unless the camera sees it. For
@@ -526,7 +638,10 @@ impl Tracer<'_> {
         index: &[u32; LANES],
         counts: &mut Counts,
     ) -> V3<Lane> {
-        let plain = Tracer { adjacency: None, ..*self };
+        let plain = Tracer {
+            adjacency: None,
+            ..*self
+        };
         let mut store = TileStore::default();
         let mut probed = Counts::default();
         plain.trace_vertices(rays, depth, stream, index, &mut probed, &mut store);
@@ -578,7 +693,11 @@ pub fn to_rays(rays: &RayPacket) -> Rays<LANES> {
 
 /// One lane of a vector.
 pub fn lane_of(v: V3<Lane>, lane: usize) -> Vec3 {
-    Vec3::new(v.x.to_array()[lane], v.y.to_array()[lane], v.z.to_array()[lane])
+    Vec3::new(
+        v.x.to_array()[lane],
+        v.y.to_array()[lane],
+        v.z.to_array()[lane],
+    )
 }
 
 /// A vector a lane.

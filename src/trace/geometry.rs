@@ -26,7 +26,11 @@ pub struct Geometry {
 
 impl Geometry {
     pub fn new(scene: &Scene) -> Self {
-        let smooth: Vec<bool> = scene.meshes.iter().map(|m| m.normals.vertex().is_some()).collect();
+        let smooth: Vec<bool> = scene
+            .meshes
+            .iter()
+            .map(|m| m.normals.vertex().is_some())
+            .collect();
         let any_smooth = smooth.contains(&true);
         let mut g = Self {
             positions: Vec::new(),
@@ -40,7 +44,8 @@ impl Geometry {
         for (index, mesh) in scene.meshes.iter().enumerate() {
             let base = g.positions.len() as u32;
             g.positions.extend_from_slice(&mesh.positions);
-            g.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + base)));
+            g.triangles
+                .extend(mesh.triangles.iter().map(|t| t.map(|v| v + base)));
             g.mesh_of_triangle.resize(g.triangles.len(), index as u32);
             if any_smooth {
                 match mesh.normals.vertex() {
@@ -56,18 +61,36 @@ impl Geometry {
 
     /// The vertices of a triangle in each lane; lanes without one get a harmless unit triangle.
     pub fn corners(&self, triangle: &[u32; LANES]) -> [[u32; 3]; LANES] {
-        triangle.map(|t| if t == NO_TRIANGLE { [u32::MAX; 3] } else { self.triangles[t as usize] })
+        triangle.map(|t| {
+            if t == NO_TRIANGLE {
+                [u32::MAX; 3]
+            } else {
+                self.triangles[t as usize]
+            }
+        })
     }
 
     /// One corner's positions in all lanes.
     pub fn gather_positions(&self, corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
         const UNIT: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        gather(corners, |v, c| if v == u32::MAX { UNIT[c] } else { self.positions[v as usize] })
+        gather(corners, |v, c| {
+            if v == u32::MAX {
+                UNIT[c]
+            } else {
+                self.positions[v as usize]
+            }
+        })
     }
 
     /// One corner's shading normals in all lanes; zero where the mesh is flat.
     pub fn gather_normals(&self, corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
-        gather(corners, |v, _| if v == u32::MAX { Vec3::Z } else { self.normals[v as usize] })
+        gather(corners, |v, _| {
+            if v == u32::MAX {
+                Vec3::Z
+            } else {
+                self.normals[v as usize]
+            }
+        })
     }
 }
 
@@ -79,6 +102,10 @@ pub fn gather(corners: &[[u32; 3]; LANES], of: impl Fn(u32, usize) -> Vec3) -> [
             let v = of(corners[lane][c], c);
             (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
         }
-        V3 { x: Lane::new(x), y: Lane::new(y), z: Lane::new(z) }
+        V3 {
+            x: Lane::new(x),
+            y: Lane::new(y),
+            z: Lane::new(z),
+        }
     })
 }

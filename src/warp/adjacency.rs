@@ -39,14 +39,24 @@ impl Adjacency {
         let packed = self.twin[3 * triangle as usize + corner];
         (packed != NONE).then(|| {
             let half_edge = packed >> 1;
-            Across { triangle: half_edge / 3, corner: (half_edge % 3) as usize, flipped: packed & 1 == 1 }
+            Across {
+                triangle: half_edge / 3,
+                corner: (half_edge % 3) as usize,
+                flipped: packed & 1 == 1,
+            }
         })
     }
 }
 
 fn link_mesh(geometry: &Geometry, mesh: usize, twin: &mut [u32]) {
-    let (v0, v1) = (geometry.first_vertex[mesh] as usize, geometry.first_vertex[mesh + 1] as usize);
-    let (t0, t1) = (geometry.first_triangle[mesh] as usize, geometry.first_triangle[mesh + 1] as usize);
+    let (v0, v1) = (
+        geometry.first_vertex[mesh] as usize,
+        geometry.first_vertex[mesh + 1] as usize,
+    );
+    let (t0, t1) = (
+        geometry.first_triangle[mesh] as usize,
+        geometry.first_triangle[mesh + 1] as usize,
+    );
 
     // Adding zero makes −0 and 0 one position.
     let bits = |v: usize| (geometry.positions[v] + 0.0).to_array().map(f32::to_bits);

@@ -27,7 +27,11 @@ pub enum Boundary {
     Crease([[u32; 3]; 2]),
     /// A point that keeps its place on an edge (`along` from its first vertex to its second), taken with a line of fixed
     /// direction `line` through it: only its motion across that line counts.
-    Point { edge: [u32; 2], along: f64, line: DVec3 },
+    Point {
+        edge: [u32; 2],
+        along: f64,
+        line: DVec3,
+    },
 }
 
 impl Boundary {
@@ -41,7 +45,11 @@ impl Boundary {
                 let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
                 nb * na.dot(a[0]) - na * nb.dot(b[0])
             }
-            Boundary::Point { edge: [a, b], along, line } => at(a).lerp(at(b), along).cross(line),
+            Boundary::Point {
+                edge: [a, b],
+                along,
+                line,
+            } => at(a).lerp(at(b), along).cross(line),
         }
     }
 
@@ -53,7 +61,11 @@ impl Boundary {
                 let ([a0, a1, a2], [b0, b1, b2]) = (a.map(&point), b.map(&point));
                 crease_side(o, d, a0, a1, a2, b0, b1, b2)
             }
-            Boundary::Point { edge: [a, b], along, line } => {
+            Boundary::Point {
+                edge: [a, b],
+                along,
+                line,
+            } => {
                 let (a, b) = (point(a), point(b));
                 let at = a + (b - a) * F::splat(along);
                 let line = V3::new(F::splat(line.x), F::splat(line.y), F::splat(line.z));
@@ -89,11 +101,20 @@ impl Boundary {
                 }
                 (dvec3(o_bar), dvec3(d_bar))
             }
-            Boundary::Point { edge: [a, b], along, line } => {
+            Boundary::Point {
+                edge: [a, b],
+                along,
+                line,
+            } => {
                 let [p, q] = [a, b].map(|v| geometry.positions[v as usize].as_dvec3());
                 let at = p.lerp(q, along);
-                let (o_bar, d_bar, at_bar, end_bar) =
-                    edge_side_adjoint(vector(o), vector(d), vector(at), vector(at + line), side_bar);
+                let (o_bar, d_bar, at_bar, end_bar) = edge_side_adjoint(
+                    vector(o),
+                    vector(d),
+                    vector(at),
+                    vector(at + line),
+                    side_bar,
+                );
                 let at_bar = dvec3(at_bar) + dvec3(end_bar);
                 scatter(a, at_bar * (1.0 - along));
                 scatter(b, at_bar * along);
@@ -105,7 +126,11 @@ impl Boundary {
 
 /// As kernels take it.
 pub fn vector(v: DVec3) -> V3<f64> {
-    V3 { x: v.x, y: v.y, z: v.z }
+    V3 {
+        x: v.x,
+        y: v.y,
+        z: v.z,
+    }
 }
 
 /// As `glam` takes it.

@@ -1,6 +1,6 @@
 //! Holding discontinuities still: which point to follow, and how fast the integrand's jumps move.
 
 pub mod adjacency;
-pub mod walk;
 pub mod boundary;
 pub mod resolve;
+pub mod walk;

@@ -40,21 +40,35 @@ pub fn between(
         return Ok([None, None]);
     }
     let back = arc.reversed();
-    let is_flat = |t: u32| t != NO_TRIANGLE && !geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize];
-    let reservoir = |t: u32| if is_flat(t) { Reservoir::new(choice, gap) } else { Reservoir::closed() };
+    let is_flat = |t: u32| {
+        t != NO_TRIANGLE && !geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize]
+    };
+    let reservoir = |t: u32| {
+        if is_flat(t) {
+            Reservoir::new(choice, gap)
+        } else {
+            Reservoir::closed()
+        }
+    };
 
     let mut ridges = reservoir(a);
-    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, [a, b], 1.0, &mut ridges));
+    let from_a =
+        (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, [a, b], 1.0, &mut ridges));
     if let Some(Walk::Reached) = from_a {
         return Ok([None, ridges.crossing()]);
     }
     let mut ridges = reservoir(b);
-    let from_b = (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &back, [b, a], 1.0, &mut ridges));
+    let from_b =
+        (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &back, [b, a], 1.0, &mut ridges));
     let silhouette = match (from_a, from_b) {
         (_, Some(Walk::Reached)) => return Ok([None, ridges.turned().crossing()]),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
-            if distance(&f) <= distance(&g) { f } else { g.turned() }
+            if distance(&f) <= distance(&g) {
+                f
+            } else {
+                g.turned()
+            }
         }
         (Some(Walk::Fold(f)), _) => f,
         (_, Some(Walk::Fold(g))) => g.turned(),
@@ -67,18 +81,36 @@ pub fn between(
     // The ridges up to the silhouette on the side of a, and from there on on the side of b.
     let mut ridges = Reservoir::new(choice, gap);
     if is_flat(b) {
-        walk(geometry, adjacency, &back, [b, NO_TRIANGLE], 1.0 - silhouette.s, &mut ridges);
+        walk(
+            geometry,
+            adjacency,
+            &back,
+            [b, NO_TRIANGLE],
+            1.0 - silhouette.s,
+            &mut ridges,
+        );
     }
     ridges = ridges.turned();
     if is_flat(a) {
-        walk(geometry, adjacency, arc, [a, NO_TRIANGLE], silhouette.s, &mut ridges);
+        walk(
+            geometry,
+            adjacency,
+            arc,
+            [a, NO_TRIANGLE],
+            silhouette.s,
+            &mut ridges,
+        );
     }
     Ok([Some(Crossing::of(silhouette, 1)), ridges.crossing()])
 }
 
 impl Crossing {
     fn of(fold: Fold, count: u32) -> Self {
-        Self { boundary: Boundary::Edge(fold.edge), s: fold.s.clamp(0.0, 1.0), count }
+        Self {
+            boundary: Boundary::Edge(fold.edge),
+            s: fold.s.clamp(0.0, 1.0),
+            count,
+        }
     }
 }
 
@@ -94,5 +126,13 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
     let c = boundary.normal(geometry, arc.origin);
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
     let s = at_a / (at_a - at_b);
-    if (0.0..=1.0).contains(&s) { Ok(Crossing { boundary, s, count: 1 }) } else { Err(Unresolved) }
+    if (0.0..=1.0).contains(&s) {
+        Ok(Crossing {
+            boundary,
+            s,
+            count: 1,
+        })
+    } else {
+        Err(Unresolved)
+    }
 }

@@ -33,7 +33,10 @@ pub struct Fold {
 impl Fold {
     /// Seen from the arc's other end.
     pub fn turned(self) -> Self {
-        Self { s: 1.0 - self.s, ..self }
+        Self {
+            s: 1.0 - self.s,
+            ..self
+        }
     }
 }
 
@@ -61,7 +64,11 @@ pub struct Arc {
 impl Arc {
     /// The same arc from its other end.
     pub fn reversed(self) -> Self {
-        Self { origin: self.origin, a: self.b, b: self.a }
+        Self {
+            origin: self.origin,
+            a: self.b,
+            b: self.a,
+        }
     }
 
     /// The direction at parameter `s`.
@@ -72,7 +79,14 @@ impl Arc {
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
 /// `goal`, up to parameter `limit` (1: all the way). Edges at which the surface bends on the way are shown to `ridges`.
-pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, [start, goal]: [u32; 2], limit: f64, ridges: &mut Reservoir) -> Walk {
+pub fn walk(
+    geometry: &Geometry,
+    adjacency: &Adjacency,
+    arc: &Arc,
+    [start, goal]: [u32; 2],
+    limit: f64,
+    ridges: &mut Reservoir,
+) -> Walk {
     let normal = arc.a.cross(arc.b);
     let corners = |t: u32| geometry.triangles[t as usize];
     let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
@@ -102,14 +116,21 @@ pub fn walk(geometry: &Geometry, adjacency: &Adjacency, arc: &Arc, [start, goal]
                 exit = Some((corner, toward_b, along, point));
             }
         }
-        let Some((corner, toward_b, along, point)) = exit else { return Walk::Lost };
+        let Some((corner, toward_b, along, point)) = exit else {
+            return Walk::Lost;
+        };
         let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
         if s >= limit {
             ridges.settle(limit);
             return Walk::Continues;
         }
         let edge = [vertices[corner], vertices[(corner + 1) % 3]];
-        let fold = Fold { edge, s, along, point: point + arc.origin };
+        let fold = Fold {
+            edge,
+            s,
+            along,
+            point: point + arc.origin,
+        };
         let Some(across) = adjacency.across(triangle, corner) else {
             ridges.settle(s);
             return Walk::Fold(fold);
@@ -147,12 +168,24 @@ pub struct Reservoir {
 impl Reservoir {
     /// Collects crossings that are at least `gap` apart; `choice` is uniform in [0, 1).
     pub fn new(choice: f64, gap: f64) -> Self {
-        Self { chosen: None, count: 0, choice: Some(choice), gap, pending: None }
+        Self {
+            chosen: None,
+            count: 0,
+            choice: Some(choice),
+            gap,
+            pending: None,
+        }
     }
 
     /// Takes nothing.
     pub fn closed() -> Self {
-        Self { chosen: None, count: 0, choice: None, gap: 0.0, pending: None }
+        Self {
+            chosen: None,
+            count: 0,
+            choice: None,
+            gap: 0.0,
+            pending: None,
+        }
     }
 
     /// The same choice, seen from the arc's other end.
@@ -173,7 +206,9 @@ impl Reservoir {
 
     /// Decides about the crossing offered last, now that the next one is known to be at `s`.
     fn settle(&mut self, s: f64) {
-        let (Some(fold), Some(choice)) = (self.pending.take(), &mut self.choice) else { return };
+        let (Some(fold), Some(choice)) = (self.pending.take(), &mut self.choice) else {
+            return;
+        };
         if s - fold.s < self.gap {
             return;
         }
