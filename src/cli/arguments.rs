@@ -6,6 +6,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::path::PathBuf;
 
+/// Camera paths per pixel; more are better had from several seeds.
+pub const MOST_SAMPLES: u32 = 1 << 20;
+
 const EXIT_CODES: &str = "Exit codes:
   0         done
   1         a check said no
@@ -45,21 +48,37 @@ fn const_format() -> String {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Renders the image: image.exr, image.png
+    #[command(
+        after_help = "Example: warpath render scene.xml --spp 64 --resolution 640x480 -o out/scene"
+    )]
     Render(RenderArguments),
     /// Lists every parameter with its shape, flags and present value
+    #[command(after_help = "Example: warpath params scene.xml --json")]
     Params(ParamsArguments),
     /// Forward mode: the gradient image dI/dθ along one direction
     ///
-    /// Writes gradient.exr, gradient.npy, gradient.png, stderr.npy and image.exr.
+    /// Writes gradient.exr, gradient.npy, gradient.png (blue below zero, red above, the scale in the picture),
+    /// stderr.npy and image.exr.
+    #[command(
+        after_help = "Example: warpath forward scene.xml --param ball.translation=1,0,0 --param cam.x_fov=0.5 --spp 64"
+    )]
     Forward(ForwardArguments),
     /// Reverse mode: gradients of a loss for all the keys in one pass
     ///
     /// Writes gradients.safetensors and gradients.npz (one tensor a key, KEY#se its standard error)
     /// and image.exr.
+    #[command(
+        after_help = "Example: warpath backward scene.xml --param ball.vertex_positions --target photo.exr --loss l1"
+    )]
     Backward(BackwardArguments),
     /// Forward, backward and finite differences against each other; exit code 1 if they disagree
     ///
-    /// Writes check.json and three images: forward, fd and z, the difference in standard errors.
+    /// Runs each several times with other random numbers, until a bias as large as the tolerance could be seen,
+    /// and says in a sentence what was. Writes check.json and three images: forward, fd and z, the difference in
+    /// standard errors.
+    #[command(
+        after_help = "Example: warpath check scene.xml --param ball.translation=1,0,0 --resolution 64x64 --spp 64"
+    )]
     Check(CheckArguments),
     /// Prints a completion script for a shell
     Completions {
@@ -103,7 +122,7 @@ pub struct TraceArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Camera paths per pixel [default: the scene's sample_count]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
     pub spp: Option<u32>,
     /// Seed of the random numbers [default: the scene's]
     #[arg(long, value_name = "S")]
@@ -148,8 +167,8 @@ pub struct ParamsArguments {
 pub struct ForwardArguments {
     #[command(flatten)]
     pub trace: TraceArguments,
-    /// A parameter and its tangent: numbers, broadcast over the last axis, or @file.npy; repeated, they
-    /// make one direction
+    /// A parameter and its tangent: its numbers, those of one row for all rows, or @file.npy of its
+    /// shape; several make one direction
     #[arg(short, long = "param", value_name = "KEY=TANGENT", required = true, value_parser = values::tangent)]
     pub parameters: Vec<values::Tangent>,
     /// How visibility is differentiated
@@ -197,7 +216,8 @@ pub struct CheckArguments {
     /// The method to check against finite differences
     #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
     pub method: MethodName,
-    /// A difference that is significant but smaller than this, relative to the finite differences, passes
+    /// What is significant but smaller than this passes: of the gradient along the image of finite differences,
+    /// and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
     #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
     pub tolerance: f64,
 }

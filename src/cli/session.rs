@@ -1,6 +1,6 @@
 //! What all commands that trace rays share: loading, settings, the output directory, the report.
 
-use super::arguments::{Backend, MethodName, SceneArguments, TraceArguments};
+use super::arguments::{Backend, MOST_SAMPLES, MethodName, SceneArguments, TraceArguments};
 use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
@@ -16,6 +16,9 @@ use std::time::Instant;
 
 /// More warnings than this about a scene are counted, not printed; the report has them all.
 const WARNINGS_PRINTED: usize = 10;
+
+/// Pixels of an image.
+const MOST_PIXELS: u64 = 1 << 28;
 
 /// One run of a command, from the loaded scene to the written report.
 pub struct Session {
@@ -52,6 +55,7 @@ impl Session {
         let resolution = settings
             .resolution
             .unwrap_or(scene.sensors[settings.sensor].film.crop_size);
+        check_size(&settings, resolution)?;
         let mut report = Report::new(
             command,
             describe(&trace.scene, &scene),
@@ -253,6 +257,22 @@ fn settings(
         method,
         standard_error,
     })
+}
+
+/// Refuses what no machine's memory holds.
+fn check_size(settings: &Settings, [width, height]: [u32; 2]) -> Result<(), Failure> {
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(Failure::Input(format!(
+            "{width}x{height} pixels are too many: at most {MOST_PIXELS}; --resolution changes it"
+        )));
+    }
+    if settings.spp > MOST_SAMPLES {
+        return Err(Failure::Input(format!(
+            "{} samples a pixel are too many: at most {MOST_SAMPLES}; --spp changes it",
+            settings.spp
+        )));
+    }
+    Ok(())
 }
 
 fn describe(arguments: &SceneArguments, scene: &Scene) -> SceneReport {

@@ -71,17 +71,24 @@ pub fn judge(
             "{method} ignores visibility, which these parameters move"
         ));
     }
-    let agreement = if c.reference_is_significant {
+    let agreement = if !c.reference_is_significant {
+        format!("{method} and finite differences do not differ by more than their noise.")
+    } else {
+        let seen = SIGNIFICANT * c.relative_bias_se;
+        let verb = match seen > COARSE {
+            true => "is not seen to differ from",
+            false => "agrees with",
+        };
         format!(
-            "{method} agrees with finite differences: along their image it is {:+.2} % ± {:.2} % off, and \
-             {:.2} % of their RMS is unexplained by noise over blocks of pixels ({} % may be).",
+            "{method} {verb} finite differences: along their image it is {:+.2} % ± {:.2} % off ({:.0} % and {SIGNIFICANT} \
+             standard errors may be), and over blocks of pixels {:.2} % of their RMS is left, which is {:.1} standard \
+             errors of noise.",
             100.0 * c.relative_bias,
             100.0 * c.relative_bias_se,
+            100.0 * tolerance,
             100.0 * c.blocks.relative_rms,
-            100.0 * tolerance
+            c.blocks.significance,
         )
-    } else {
-        format!("{method} and finite differences do not differ by more than their noise.")
     };
     Verdict {
         agrees,

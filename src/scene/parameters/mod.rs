@@ -151,17 +151,19 @@ impl Parameter {
             Ok(values.repeat(self.len() / last.max(1)))
         } else {
             let shape: Vec<String> = self.shape.iter().map(usize::to_string).collect();
-            let all = if self.shape.len() > 1 {
-                format!(", or {last} for all its rows")
-            } else {
-                String::new()
+            let all = match self.shape.len() {
+                0 | 1 => String::new(),
+                _ => format!(" ({}), or {last} for all its rows", shape.join("×")),
             };
             Err(SceneError::parameter(format!(
-                "{}: got {} values; its shape is {}, so it takes {}{all}",
+                "{} takes {} number{}{all}; {} given",
                 self.key,
-                values.len(),
-                shape.join("×"),
-                self.len()
+                self.len(),
+                if self.len() == 1 { "" } else { "s" },
+                match values.len() {
+                    1 => "1 is".to_string(),
+                    given => format!("{given} are"),
+                }
             )))
         }
     }

@@ -1,0 +1,10 @@
+//! The real program, as users and scripts meet it: exit codes, messages, streams, files.
+
+mod bad_input;
+mod broken_scenes;
+mod check;
+mod runs;
+mod signals;
+mod streams;
+mod usage;
+mod workplace;
