@@ -1,6 +1,7 @@
 //! What the tests of the whole engine share: scenes as plain data, runs, and statistics.
 #![allow(dead_code)] // each test needs some of it
 
+pub mod comparison;
 pub mod scenes;
 pub mod shapes;
 pub mod statistics;

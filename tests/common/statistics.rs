@@ -38,12 +38,12 @@ pub struct Agreement {
     /// Mean over pixels of (Σ_r D_r)²/Σ_r D_r², D_r being the difference of the two r-th runs: 1 if the differences
     /// have mean zero, up to the number of runs if they are all bias.
     pub chi_squared: Estimate,
-    /// The differences projected on the gradient itself: the relative error of its size.
+    /// The differences projected on the reference: the relative error of the gradient's size.
     pub bias: Estimate,
 }
 
 impl Agreement {
-    /// Of runs that are each a whole image.
+    /// Of runs that are each a whole image; the second are the reference.
     ///
     /// The signs of the differences D_r are random if there is no bias, and given the |D_r| that alone is the sampling
     /// distribution of χ² = Σ_rs G_rs/Σ_r G_rr with G_rs = Σ_i w_i D_ri D_si: its mean is 1 and the variance of its
@@ -53,10 +53,10 @@ impl Agreement {
         let (runs, pixels) = (ours.len(), ours[0].len());
         assert_eq!(runs, theirs.len());
         let total: Vec<f64> = (0..pixels)
-            .map(|i| ours.iter().chain(theirs).map(|run| run[i]).sum())
+            .map(|i| theirs.iter().map(|run| run[i]).sum())
             .collect();
-        let norm = dot(&total, &total) / (2 * runs) as f64;
-        let rounding = ROUNDING * ROUNDING * norm / (2 * runs * pixels) as f64;
+        let norm = dot(&total, &total) / runs as f64;
+        let rounding = ROUNDING * ROUNDING * norm / (runs * pixels) as f64;
 
         let pairs = ours.iter().zip(theirs);
         let differences: Vec<Vec<f64>> = pairs
@@ -83,12 +83,10 @@ impl Agreement {
             error: 2.0 * lower.iter().map(|g| g * g).sum::<f64>().sqrt() / trace,
         };
 
-        // Each difference is projected on the mean of the other runs, which it does not depend on.
+        // Each difference is projected on the mean of the other reference runs, which it does not depend on.
         let projections: Vec<f64> = (0..runs)
             .map(|r| {
-                let others: Vec<f64> = (0..pixels)
-                    .map(|i| total[i] - ours[r][i] - theirs[r][i])
-                    .collect();
+                let others: Vec<f64> = (0..pixels).map(|i| total[i] - theirs[r][i]).collect();
                 let share = runs as f64 / (runs - 1) as f64;
                 dot(&differences[r], &others) * share / norm
             })

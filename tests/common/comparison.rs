@@ -1,0 +1,144 @@
+//! `reparam` against finite differences, and the scenes it is done on.
+
+use super::scenes::*;
+use super::shapes::Shape;
+use super::statistics::Agreement;
+use super::{differences, direction, gradient, settings};
+use glam::{Vec3, vec3};
+use warpath::methods::Method;
+use warpath::scene::{Filter, Scene};
+
+/// Independent runs of each method.
+const RUNS: u64 = 12;
+/// How far from the truth a right answer may be.
+const SIGMAS: f64 = 4.0;
+/// The largest standard error of the gradient's size that still means something.
+const RESOLUTION: f64 = 0.02;
+
+/// Radiance of the sky.
+pub const SKY: [f32; 3] = [0.7, 0.8, 1.0];
+
+/// What `interior` must do.
+#[derive(PartialEq)]
+pub enum Interior {
+    /// Be wrong.
+    Fails,
+    /// Be right: nothing moves that hides anything.
+    Agrees,
+}
+
+/// Holds `reparam` with `spp` samples to differences with four times as many (of steps of `step`, or the engine's
+/// own).
+pub fn check(
+    scene: &Scene,
+    parts: &[(&str, &[f32])],
+    spp: u32,
+    step: Option<f64>,
+    interior: Interior,
+) {
+    let along = direction(scene, parts);
+    let runs = |method: Method, spp: u32, first_seed: u64| -> Vec<Vec<f64>> {
+        let seeds = first_seed..first_seed + RUNS;
+        seeds
+            .map(|seed| match (method, step) {
+                (Method::Fd, Some(h)) => {
+                    differences(scene, &settings(scene, method, spp, seed), &along, h)
+                }
+                _ => gradient(scene, &settings(scene, method, spp, seed), &along),
+            })
+            .collect()
+    };
+    let reference = runs(Method::Fd, 4 * spp, 1000);
+    let ours = Agreement::new(&runs(Method::Reparam, spp, 1), &reference);
+    println!("reparam {ours:.4?}");
+    assert!(
+        ours.bias.error <= RESOLUTION,
+        "nothing can be said: {ours:.4?}"
+    );
+    assert!(ours.holds(SIGMAS), "reparam is off: {ours:.4?}");
+    let naive = Agreement::new(&runs(Method::Interior, spp, 1), &reference);
+    println!("interior {naive:.4?}");
+    assert_eq!(
+        naive.holds(SIGMAS),
+        interior == Interior::Agrees,
+        "interior: {naive:.4?}"
+    );
+}
+
+/// A floor that waits for a light.
+pub fn floor_seen(size: u32, filter: Filter) -> Scene {
+    scene(
+        vec3(0.3, -3.4, 1.9),
+        vec3(0.0, 0.0, 0.1),
+        38.0,
+        [size; 2],
+        filter,
+    )
+    .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
+}
+
+/// A lamp that no direction in the scenes is symmetric to.
+pub fn lit(scene: Scene) -> Scene {
+    let shape = placed(
+        ceiling(Vec3::ZERO, 0.45),
+        vec3(7.0, -5.0, 13.0),
+        vec3(0.2, 0.1, 2.2),
+    );
+    scene.light("lamp", shape, [8.0, 7.0, 6.0])
+}
+
+/// A block askew above the floor.
+pub fn block() -> Shape {
+    placed(
+        cuboid(vec3(0.35, 0.2, 0.12)),
+        vec3(12.0, 25.0, 33.0),
+        vec3(0.1, 0.0, 0.75),
+    )
+}
+
+/// A block that throws a soft shadow on a floor.
+pub fn shadow() -> Scene {
+    lit(floor_seen(20, GAUSSIAN).solid("block", block(), [0.3, 0.6, 0.5]))
+}
+
+/// A big block close to a small floor.
+pub fn close_up() -> Scene {
+    let big = placed(
+        cuboid(vec3(0.6, 0.5, 0.2)),
+        vec3(12.0, 25.0, 33.0),
+        vec3(0.1, 0.0, 0.6),
+    );
+    scene(
+        vec3(0.3, -3.4, 1.9),
+        vec3(0.0, 0.0, 0.2),
+        26.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .solid("floor", floor(0.8, 0.0), [0.6, 0.5, 0.4])
+    .solid("block", big, [0.3, 0.6, 0.5])
+}
+
+/// The same before a coloured wall.
+pub fn room(depth: u32) -> Scene {
+    let wall = parallelogram(
+        vec3(-0.9, 0.9, -0.1),
+        vec3(1.8, 0.0, 0.0),
+        vec3(0.0, 0.0, 1.6),
+    );
+    lit(close_up())
+        .depth(depth)
+        .solid("wall", wall, [0.8, 0.2, 0.1])
+}
+
+/// A block before the sky.
+pub fn silhouette(filter: Filter) -> Scene {
+    let shape = placed(
+        cuboid(vec3(0.5, 0.3, 0.4)),
+        vec3(12.0, 25.0, 33.0),
+        Vec3::ZERO,
+    );
+    scene(vec3(0.3, -4.0, 0.5), Vec3::ZERO, 26.0, [20; 2], filter)
+        .sky(SKY)
+        .solid("block", shape, [0.3, 0.5, 0.2])
+}

@@ -1,0 +1,190 @@
+//! Gradient images against finite differences of the plain path tracer, in standard errors.
+//!
+//! Both sides are means of independent runs, so that their errors are measured, not believed. Two numbers must be
+//! zero within four standard errors: the error of the gradient's size, and the excess of χ² over pixels
+//! (`common::statistics::Agreement`). `interior`, which ignores visibility, must fail the same check where anything
+//! that hides something moves: a check that cannot fail proves nothing.
+//!
+//! Most scenes use a Gaussian filter: with a box the image has kinks wherever an edge lies along a pixel's border,
+//! and the differences are wrong there (by 5 % in places, at a tenth of a pixel). The box gets a smaller step.
+
+mod common;
+
+use common::comparison::Interior::Fails;
+use common::comparison::*;
+use common::scenes::*;
+use glam::vec3;
+
+#[test]
+fn silhouette_gaussian_filter() {
+    check(
+        &silhouette(GAUSSIAN),
+        &[("block.translation", &[1.0, 0.2, 0.4])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn silhouette_box_filter() {
+    check(
+        &silhouette(BOX),
+        &[("block.translation", &[1.0, 0.2, 0.4])],
+        256,
+        Some(2e-3),
+        Fails,
+    );
+}
+
+#[test]
+fn shadow_of_what_is_translated() {
+    check(
+        &shadow(),
+        &[("block.translation", &[1.0, 0.2, 0.1])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn shadow_of_what_is_rotated() {
+    check(
+        &shadow(),
+        &[("block.rotation", &[0.5, 0.3, 1.0])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn shadow_of_what_is_scaled() {
+    check(&shadow(), &[("block.scale", &[1.0])], 128, None, Fails);
+}
+
+#[test]
+fn moving_light() {
+    check(
+        &shadow(),
+        &[("lamp.translation", &[1.0, 0.3, -0.2])],
+        128,
+        None,
+        Fails,
+    );
+    check(
+        &shadow(),
+        &[("lamp.rotation", &[1.0, 0.3, 0.5])],
+        128,
+        None,
+        Fails,
+    );
+    check(&shadow(), &[("lamp.scale", &[1.0])], 128, None, Fails);
+}
+
+#[test]
+fn moving_receiver() {
+    check(
+        &shadow(),
+        &[("floor.translation", &[0.3, 0.2, 1.0])],
+        128,
+        None,
+        Fails,
+    );
+    check(
+        &shadow(),
+        &[("floor.rotation", &[0.3, 0.5, 1.0])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn moving_camera() {
+    check(
+        &shadow(),
+        &[("cam.translation", &[1.0, 0.2, -0.3])],
+        128,
+        None,
+        Fails,
+    );
+    check(
+        &shadow(),
+        &[("cam.rotation", &[0.3, 0.5, 1.0])],
+        128,
+        None,
+        Fails,
+    );
+    check(&shadow(), &[("cam.x_fov", &[1.0])], 128, None, Fails);
+}
+
+/// The shading jumps at every edge inside the outline.
+#[test]
+fn flat_shaded_ball_under_camera_motion() {
+    let ball = ball(2, vec3(0.0, 0.0, 0.55), 0.5);
+    let scene = lit(floor_seen(20, GAUSSIAN).solid("ball", ball, [0.7, 0.4, 0.2]));
+    check(
+        &scene,
+        &[("cam.translation", &[1.0, 0.0, 0.2])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn smooth_ball() {
+    let ball = ball(5, vec3(0.0, 0.0, 0.55), 0.5);
+    let scene = lit(floor_seen(16, GAUSSIAN).smooth("ball", ball, [0.7, 0.4, 0.2]));
+    check(
+        &scene,
+        &[("ball.translation", &[1.0, 0.2, 0.3])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+/// A concave mesh hides and shades itself.
+#[test]
+fn self_shadowing() {
+    let shape = placed(l_shape(0.4, 0.6), vec3(0.0, 0.0, 25.0), vec3(0.0, 0.0, 0.1));
+    let scene = lit(floor_seen(20, GAUSSIAN).solid("corner", shape, [0.5, 0.5, 0.7]));
+    check(
+        &scene,
+        &[("corner.translation", &[1.0, 0.2, 0.1])],
+        128,
+        None,
+        Fails,
+    );
+    check(
+        &scene,
+        &[("corner.rotation", &[0.8, 0.5, 1.0])],
+        128,
+        None,
+        Fails,
+    );
+}
+
+#[test]
+fn shapes_that_pass_through_each_other() {
+    let wall = parallelogram(
+        vec3(-1.0, 0.3, -0.2),
+        vec3(2.0, 0.2, 0.0),
+        vec3(0.0, 0.1, 1.3),
+    );
+    let scene = lit(floor_seen(20, GAUSSIAN).solid("wall", wall, [0.7, 0.3, 0.3])).solid(
+        "ball",
+        ball(2, vec3(0.0, 0.2, 0.5), 0.4),
+        [0.3, 0.6, 0.3],
+    );
+    check(
+        &scene,
+        &[("ball.translation", &[0.5, 1.0, 0.3])],
+        256,
+        None,
+        Fails,
+    );
+}
