@@ -35,14 +35,14 @@ fn citations_resolve() {
     }
 }
 
-/// What stands in brackets, begins with a capital and ends with a year, or is known by a name and a version.
+/// What stands in brackets, begins with a capital and ends with a year.
 fn citations(text: &str) -> impl Iterator<Item = &str> {
     text.split('[').skip(1).filter_map(|rest| {
         let (key, _) = rest.split_once(']')?;
-        let is_key = key.starts_with(|c: char| c.is_ascii_uppercase())
-            && key.ends_with(|c: char| c.is_ascii_digit())
-            && key.contains(|c: char| c.is_ascii_lowercase())
-            && key.chars().all(|c| c.is_ascii_alphanumeric());
+        let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
+        let is_key = key.len() == name.len() + 4
+            && name.starts_with(|c: char| c.is_ascii_uppercase())
+            && name.chars().all(|c| c.is_ascii_alphabetic());
         is_key.then_some(key)
     })
 }

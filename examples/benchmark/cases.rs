@@ -77,7 +77,8 @@ impl Case {
     /// The best reparameterisation that the peers' figures have for this scene, and its efficiency.
     pub fn rival(&self, options: &Options) -> Option<(String, f64)> {
         let text = std::fs::read_to_string(options.peers.as_ref()?.join("mitsuba.json")).ok()?;
-        let figures: Vec<Value> = serde_json::from_str(&text).ok()?;
+        // Written by Python, whose JSON knows NaN.
+        let figures: Vec<Value> = serde_json::from_str(&text.replace("NaN", "null")).ok()?;
         figures
             .iter()
             .filter(|f| f["scene"] == self.name.as_str())

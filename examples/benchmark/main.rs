@@ -108,8 +108,7 @@ impl Tables {
         );
         let forward = "scene | filter | spp | s | error | spread | bias ± reference's | projection | 1/(error²·s) | Mrays | Mrays/s | MB";
         table("Forward: the gradient image", forward, &self.forward);
-        let z =
-            "χ²/N | expected | \\|z\\| > 4 | expected | compared | certain differences | stated se";
+        let z = "χ²/N | expected | \\|z\\| > 4 | expected | compared | RMS difference of the quiet rest | stated se / spread";
         table(
             "Agreement, number by number",
             &format!("scene | filter | spp | {z}"),

@@ -8,6 +8,9 @@ use warpath::output::npy;
 /// Independent groups behind the standard error of one run: so many as `forward` makes of 16, 64 or 256 samples.
 const GROUPS: f64 = 4.0;
 
+/// Standard errors below this share of the reference's RMS are not taken at their word.
+const QUIET: f64 = 1e-3;
+
 /// A gradient image that others are compared with.
 pub struct Reference {
     pub values: Vec<f32>,
@@ -93,8 +96,9 @@ struct ZScores {
     squares: f64,
     beyond_4: usize,
     compared: usize,
-    /// Numbers that neither side is uncertain of, and that differ.
-    certain: usize,
+    /// Sum of squared differences of the numbers that are not compared by their error bars.
+    quiet: f64,
+    quiet_count: usize,
     expected_square: f64,
     expected_beyond_4: f64,
 }
@@ -158,28 +162,27 @@ impl Accuracy {
         let z = &self.z;
         let n = z.compared.max(1) as f64;
         format!(
-            "{:.3} | {:.3} | {:.4} % | {:.4} % | {} | {} | {:.3}",
+            "{:.3} | {:.3} | {:.3} % | {:.3} % | {} | {:.1e} of {} | {:.3}",
             z.squares / n,
             z.expected_square,
             100.0 * z.beyond_4 as f64 / n,
             100.0 * z.expected_beyond_4,
             z.compared,
-            z.certain,
+            (z.quiet / z.quiet_count.max(1) as f64).sqrt(),
+            z.quiet_count,
             self.stated
         )
     }
 }
 
 impl ZScores {
-    /// Numbers whose reference has no known error are left out; so are those that both sides are certain of, once it
-    /// is seen that they agree.
+    /// Numbers with error bars below [`QUIET`] have them from few events or from rounding: they are compared by size.
+    /// So are those whose reference has no known error.
     fn add(&mut self, difference: f64, variance: f64, reference_error: f64, rms: f64) {
-        if !reference_error.is_finite() {
-            return;
-        }
         let variance = variance + reference_error * reference_error;
-        if variance <= (1e-7 * rms).powi(2) {
-            self.certain += (difference.abs() > 1e-5 * rms) as usize;
+        if variance.is_nan() || variance <= (QUIET * rms).powi(2) {
+            self.quiet += (difference / rms).powi(2);
+            self.quiet_count += 1;
             return;
         }
         let z = difference / variance.sqrt();
