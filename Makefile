@@ -34,7 +34,7 @@ test-long: deps
 	cargo test --release --locked --features long-tests
 
 bench: deps
-	cargo bench --locked
+	scripts/benchmark
 
 test-debian13:
 	scripts/test-debian13

@@ -6,9 +6,10 @@ use super::direction::{self, Direction};
 use super::exit::Failure;
 use super::replicates::Replicates;
 use super::session::{self, Session};
-use super::verdict::{SIGNIFICANT, Transposition, Verdict, judge};
+use super::verdict::{Circumstances, SIGNIFICANT, Transposition, Verdict, judge};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
+use crate::scene::Filter;
 use crate::scene::parameters::{self, Parameter};
 use serde_json::json;
 use std::ffi::OsString;
@@ -70,7 +71,13 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         .any(|(parameter, _)| parameter.moves_visibility);
     let verdict = judge(
         method.name(),
-        moves && method == Method::Interior,
+        Circumstances {
+            ignores_visibility: moves && method == Method::Interior,
+            box_filter: matches!(
+                session.scene.sensors[settings.sensor].film.filter,
+                Filter::Box { .. }
+            ),
+        },
         &transposition,
         &comparison,
         arguments.tolerance,

@@ -56,20 +56,35 @@ pub struct Verdict {
     pub doubts: Vec<String>,
 }
 
-/// Judges. `ignores_visibility`: the method does not differentiate visibility, which the parameters move.
+/// What may explain a disagreement.
+#[derive(Clone, Copy, Debug)]
+pub struct Circumstances {
+    /// The method does not differentiate visibility, which the parameters move.
+    pub ignores_visibility: bool,
+    /// An edge on the border of two pixels has no derivative.
+    pub box_filter: bool,
+}
+
+/// Judges.
 pub fn judge(
     method: &str,
-    ignores_visibility: bool,
+    circumstances: Circumstances,
     t: &Transposition,
     c: &Comparison,
     tolerance: f64,
 ) -> Verdict {
     let mut complaints = complaints(method, t, c, tolerance);
     let agrees = complaints.is_empty();
-    if !agrees && ignores_visibility {
+    if !agrees && circumstances.ignores_visibility {
         complaints.push(format!(
             "{method} ignores visibility, which these parameters move"
         ));
+    } else if !agrees && circumstances.box_filter && c.blocks.significance <= SIGNIFICANT {
+        complaints.push(
+            "but over blocks of pixels they agree: under a box filter an edge that lies between two pixels has no \
+             derivative; another rfilter tells"
+                .into(),
+        );
     }
     let agreement = if !c.reference_is_significant {
         format!("{method} and finite differences do not differ by more than their noise.")

@@ -11,7 +11,7 @@
 //! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
 //! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
 
-use super::occluders::{PROBE, SurfacePoint, follow_occluders};
+use super::occluders::{OccluderEnd, PROBE, SurfacePoint, follow_occluders};
 use super::random::Stream;
 use super::store::{TileStore, Vertices};
 use super::tracer::{Counts, RayPacket, Surface, Tracer, from_lanes, lane_of, leave, to_rays};
@@ -74,10 +74,15 @@ pub fn find(
     let (_, jitter) = stream.pair(index, depth * super::tracer::PAIRS_PER_VERTEX - 1);
     let axis = (stream.uniform(AXIS + index[0].wrapping_mul(8).wrapping_add(depth)) * 2.0) as usize;
     let lines = Lines::new(surface, rays.direction, axis, jitter);
+    let triangle = store
+        .vertices
+        .last()
+        .map_or([NO_TRIANGLE; LANES], |v| v.triangle);
     let mut finder = Finder {
         tracer,
         adjacency,
         surface,
+        triangle: &triangle,
         rays,
         lines,
         counts,
@@ -172,6 +177,8 @@ struct Finder<'a> {
     tracer: &'a Tracer<'a>,
     adjacency: &'a Adjacency,
     surface: &'a Surface,
+    /// Triangles that the vertex lies on.
+    triangle: &'a [u32; LANES],
     rays: &'a RayPacket,
     lines: Lines,
     counts: &'a mut Counts,
@@ -223,7 +230,7 @@ impl Finder<'_> {
                     [0.0, 1.0]
                 };
                 let direction = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
-                let point = SurfacePoint::of_lane(self.surface, lane);
+                let point = SurfacePoint::of_lane(self.surface, self.triangle, lane);
                 let far = f32::INFINITY;
                 match follow_occluders(
                     self.tracer,
@@ -234,9 +241,9 @@ impl Finder<'_> {
                     far,
                     self.counts,
                 ) {
-                    Some((fold, s)) => {
+                    Some(OccluderEnd { edge, at: s, .. }) => {
                         let jump = radiance.map(|r| if before_is_bright { r } else { -r });
-                        self.push(lane, Boundary::Edge(fold.edge), direction(s), jump);
+                        self.push(lane, Boundary::Edge(edge), direction(s), jump);
                     }
                     None => self.counts.unresolved += 1,
                 }
@@ -282,7 +289,7 @@ impl Finder<'_> {
         else {
             return;
         };
-        let point = SurfacePoint::of_lane(self.surface, lane);
+        let point = SurfacePoint::of_lane(self.surface, self.triangle, lane);
         let origin = point.x.as_dvec3();
         let points: [(DVec3, u32); INNER_POINTS + 3] = std::array::from_fn(|i| {
             let d = lane_of(self.lines.directions(i), lane).as_dvec3();

@@ -11,7 +11,7 @@
 //! of a pair, and no kernel width: a silhouette that crosses a line is found with certainty if it crosses the
 //! cell once. Two silhouettes in one cell are missed together; where they move alike their parts cancel.
 
-use super::occluders::{SurfacePoint, follow_occluders};
+use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::store::{LightCrossing, Vertices, lane_mask};
 use super::tracer::{Counts, RayPacket, SHADOW_FAR, Surface, Tracer, lane_of, leave, to_rays};
 use crate::lanes::{LANES, Lane, Real};
@@ -107,7 +107,7 @@ pub fn find(
                     fixed: fixed[lane],
                     ends: [pair[0], pair[1]],
                 };
-                match cell.resolve(tracer, adjacency, surface, counts) {
+                match cell.resolve(tracer, adjacency, surface, &vertices.triangle, counts) {
                     Some(crossing) => out.push(crossing),
                     None => counts.unresolved += 1,
                 }
@@ -167,6 +167,7 @@ impl Cell {
         tracer: &Tracer,
         adjacency: &Adjacency,
         surface: &Surface,
+        triangle: &[u32; LANES],
         counts: &mut Counts,
     ) -> Option<LightCrossing> {
         let patch = &tracer.lights.patches[self.patch as usize];
@@ -182,8 +183,8 @@ impl Cell {
         };
         let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
         let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
-        let from_surface = SurfacePoint::of_lane(surface, self.lane);
-        let (fold, at) = follow_occluders(
+        let from_surface = SurfacePoint::of_lane(surface, triangle, self.lane);
+        let OccluderEnd { edge, along, at } = follow_occluders(
             tracer,
             adjacency,
             &from_surface,
@@ -192,13 +193,14 @@ impl Cell {
             SHADOW_FAR,
             counts,
         )?;
+        let line = patch.edges[1 - self.axis].as_dvec3();
+        let boundary = match along {
+            Some(along) => Boundary::Point { edge, along, line },
+            None => Boundary::Edge(edge),
+        };
         let fixed = self.fixed as f64;
         Some(LightCrossing {
-            boundary: Boundary::Point {
-                edge: fold.edge,
-                along: fold.along,
-                line: patch.edges[1 - self.axis].as_dvec3(),
-            },
+            boundary,
             lane: self.lane as u8,
             axis: self.axis as u8,
             patch: self.patch,

@@ -1,10 +1,11 @@
 //! From an occluded ray to the silhouette behind which it would be free.
 
 use super::tracer::{Counts, Surface, Tracer, lane_of};
+use crate::lanes::LANES;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::{Coherence, Hits, MISS, Rays};
 use crate::warp::adjacency::Adjacency;
-use crate::warp::walk::{Arc, Fold, Reservoir, Walk, walk};
+use crate::warp::walk::{Arc, Reservoir, Walk, walk};
 use glam::{DVec3, Vec3};
 
 /// How far beyond a silhouette the probe looks, as a fraction of the cell.
@@ -16,14 +17,40 @@ const MAX_OCCLUDERS: usize = 8;
 pub struct SurfacePoint {
     pub x: Vec3,
     pub geometric: Vec3,
+    /// The triangle it lies on.
+    pub triangle: u32,
+}
+
+/// Where an occluder ends.
+pub struct OccluderEnd {
+    pub edge: [u32; 2],
+    /// Where on the edge; `None` at the surface's own horizon, for which an edge of its triangle stands.
+    pub along: Option<f64>,
+    /// Coordinate of the crossing.
+    pub at: f64,
 }
 
 impl SurfacePoint {
-    pub fn of_lane(surface: &Surface, lane: usize) -> Self {
+    pub fn of_lane(surface: &Surface, triangle: &[u32; LANES], lane: usize) -> Self {
         Self {
             x: lane_of(surface.x, lane),
             geometric: lane_of(surface.geometric, lane),
+            triangle: triangle[lane],
         }
+    }
+
+    /// The edge of its own triangle that spans the plane with it best.
+    fn plane_edge(&self, tracer: &Tracer) -> [u32; 2] {
+        let [a, b, c] = tracer.geometry.triangles[self.triangle as usize];
+        let area = |&[v, w]: &[u32; 2]| {
+            let [v, w] = [v, w].map(|v| tracer.geometry.positions[v as usize] - self.x);
+            v.cross(w).length()
+        };
+        let edges = [[a, b], [b, c], [c, a]];
+        edges
+            .into_iter()
+            .max_by(|p, q| area(p).total_cmp(&area(q)))
+            .unwrap_or([a, b])
     }
 
     /// The first triangle on the way to x + `d`·`far`.
@@ -47,7 +74,7 @@ impl SurfacePoint {
 
 /// Walks from the occluder that stands in the direction of coordinate `from` toward the free direction of
 /// coordinate `to`; where another occluder stands behind the silhouette, on along that one. Returns the last
-/// silhouette and its coordinate. `direction` is linear in the coordinate up to its length.
+/// silhouette. `direction` is linear in the coordinate up to its length.
 pub fn follow_occluders(
     tracer: &Tracer,
     adjacency: &Adjacency,
@@ -56,9 +83,27 @@ pub fn follow_occluders(
     [from, to]: [f64; 2],
     far: f32,
     counts: &mut Counts,
-) -> Option<(Fold, f64)> {
+) -> Option<OccluderEnd> {
     let origin = point.x.as_dvec3();
     let mut at = from;
+    let is_free = |at: f64, counts: &mut Counts| {
+        let is_past_end = (to - at) * (to - from) <= 0.0;
+        is_past_end || point.first_hit(tracer, direction(at), far, counts) == NO_TRIANGLE
+    };
+    // A shading normal's horizon may reach below that of the triangle, whose own plane is then what hides.
+    let height = |at: f64| point.geometric.as_dvec3().dot(direction(at));
+    let (low, high) = (height(from), height(to));
+    if low * high < 0.0 {
+        let crossing = from + (to - from) * low / (low - high);
+        at = crossing + PROBE * (to - from);
+        if is_free(at, counts) {
+            return Some(OccluderEnd {
+                edge: point.plane_edge(tracer),
+                along: None,
+                at: crossing,
+            });
+        }
+    }
     for _ in 0..MAX_OCCLUDERS {
         let triangle = point.first_hit(tracer, direction(at), far, counts);
         if triangle == NO_TRIANGLE {
@@ -81,9 +126,12 @@ pub fn follow_occluders(
         };
         let crossing = at + fold.s.max(0.0) * (to - at);
         at = crossing + PROBE * (to - from);
-        let is_past_end = (to - at) * (to - from) <= 0.0;
-        if is_past_end || point.first_hit(tracer, direction(at), far, counts) == NO_TRIANGLE {
-            return Some((fold, crossing));
+        if is_free(at, counts) {
+            return Some(OccluderEnd {
+                edge: fold.edge,
+                along: Some(fold.along),
+                at: crossing,
+            });
         }
     }
     None

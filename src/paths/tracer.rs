@@ -287,7 +287,9 @@ impl Tracer<'_> {
             let [n0, n1, n2] = self.geometry.gather_normals(&corners);
             n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
         }
-        vertices.facing = -(n.dot(d).signum());
+        // The side that is seen is the triangle's, not the shading normal's: where that turns away at grazing angles a
+        // one-sided surface would be black in a rim whose border is no edge of any mesh.
+        vertices.facing = -(geometric.dot(d).signum()) * (n.dot(geometric).signum());
         Surface {
             x: o + d * t,
             n: n * vertices.facing,

@@ -6,13 +6,14 @@ use std::process::{Command, Output, Stdio};
 /// A square lit by the sky and a smaller one over it, small enough to load in no time.
 pub const SCENE: &str = r#"<scene version="3.0.0">
   <default name="side" value="8"/><default name="count" value="4"/>
+  <default name="filter" value="box"/>
   <integrator type="path"><integer name="max_depth" value="2"/></integrator>
   <sensor type="perspective" id="cam">
     <float name="fov" value="40"/>
     <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
     <sampler type="independent"><integer name="sample_count" value="$count"/></sampler>
     <film type="hdrfilm"><integer name="width" value="$side"/><integer name="height" value="6"/>
-      <rfilter type="box"/></film>
+      <rfilter type="$filter"/></film>
   </sensor>
   <sensor type="perspective" id="second"><float name="fov" value="50"/></sensor>
   <shape type="rectangle" id="floor">
