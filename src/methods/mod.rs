@@ -177,5 +177,3 @@ pub fn backward(
     let request = parameters::wanted(scene, wanted, settings.sensor)?;
     adjoint::backward(scene, settings, &request, objective, progress)
 }
-#[doc(hidden)]
-pub use tangent::forward as forward_along;

@@ -7,9 +7,9 @@
 //! the part along r, and their sum is the whole: V·n dl = V_s dr + V_r ds.
 //!
 //! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it; the lines' ends lie
-//! on the light's rim, so that the cells cover them without gaps. That makes five shadow rays, each of them one end
-//! of a pair, and no kernel width: a silhouette that crosses a line is found with certainty if it crosses the
-//! cell once. Two silhouettes in one cell are missed together; where they move alike their parts cancel.
+//! on the light's rim, so that the cells cover them without gaps, and jittered points divide them. No kernel width: a
+//! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
+//! spacing of the points is met by one of them with a known chance, and weighed by its inverse.
 
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::store::{LightCrossing, Vertices, lane_mask};
@@ -23,14 +23,16 @@ use glam::DVec3;
 /// The ends of a line lie this far inside the light, where no ray grazes its border.
 const RIM: f32 = 1e-4;
 
-/// The (unfolded) numbers of a light sample, and whether it lies on the lines through them.
-pub struct LineChoice {
+/// Jittered points between the ends of a line.
+const INNER_POINTS: usize = 2;
+/// Shorter runs than this part of the spacing are weighed as if they were this long.
+const SHORTEST_RUN: f64 = 1e-3;
+
+/// The lines of each lane: of fixed r and of fixed s, both uniform, and where their inner points lie.
+pub struct Lines {
     pub s: [f32; LANES],
     pub r: [f32; LANES],
-    /// Lanes whose light sample was tested and is (s, r) itself.
-    pub on_lines: u32,
-    /// Lanes whose light sample is visible.
-    pub visible: u32,
+    pub jitter: [f32; LANES],
 }
 
 /// Finds the crossings on both lines of every lane and appends them.
@@ -41,7 +43,7 @@ pub fn find(
     vertices: &Vertices,
     surface: &Surface,
     patch: &[u32; LANES],
-    choice: &LineChoice,
+    lines: &Lines,
     counts: &mut Counts,
     out: &mut Vec<LightCrossing>,
 ) {
@@ -51,8 +53,7 @@ pub fn find(
     }
     for axis in 0..2 {
         let mut active = facing;
-        let fixed = if axis == 0 { &choice.r } else { &choice.s };
-        let middle = if axis == 0 { &choice.s } else { &choice.r };
+        let fixed = if axis == 0 { &lines.r } else { &lines.s };
         let mut ends = [[RIM; LANES]; 2];
         for lane in 0..LANES {
             let p = &tracer.lights.patches[patch[lane] as usize];
@@ -70,11 +71,24 @@ pub fn find(
                 None => active &= !(1 << lane),
             }
         }
-        let visible = ends.map(|end| {
+        let positions: [[f32; LANES]; INNER_POINTS + 2] = std::array::from_fn(|i| {
+            std::array::from_fn(|l| {
+                let [from, to] = [ends[0][l], ends[1][l]];
+                match i {
+                    0 => from,
+                    i if i == INNER_POINTS + 1 => to,
+                    i => {
+                        from + (to - from) * (i as f32 - 1.0 + lines.jitter[l])
+                            / INNER_POINTS as f32
+                    }
+                }
+            })
+        });
+        let visible = positions.map(|at| {
             let (s, r) = if axis == 0 {
-                (&end, fixed)
+                (&at, fixed)
             } else {
-                (fixed, &end)
+                (fixed, &at)
             };
             let y = tracer.patch_points(patch, s, r);
             let origin = leave(surface.x, surface.geometric, y - surface.x);
@@ -90,29 +104,51 @@ pub fn find(
                 .accel
                 .occluded(&to_rays(&rays), active, Coherence::Incoherent)
         });
-        let jumps = (visible[0] ^ visible[1])
-            | choice.on_lines & ((visible[0] ^ choice.visible) | (visible[1] ^ choice.visible));
+        let jumps = visible.windows(2).fold(0, |bits, v| bits | (v[0] ^ v[1]));
         for lane in (0..LANES).filter(|&l| (active & jumps) >> l & 1 == 1) {
-            let sees = |bits: u32| bits >> lane & 1 == 1;
-            let mut points = vec![(ends[0][lane], sees(visible[0]))];
-            if sees(choice.on_lines) {
-                points.push((middle[lane], sees(choice.visible)));
-            }
-            points.push((ends[1][lane], sees(visible[1])));
-            for pair in points.windows(2).filter(|p| p[0].1 != p[1].1) {
+            let first = out.len();
+            let mut all_found = true;
+            for i in 0..=INNER_POINTS {
+                let end = |i: usize| (positions[i][lane], visible[i] >> lane & 1 == 1);
+                let ends = [end(i), end(i + 1)];
+                if ends[0].1 == ends[1].1 {
+                    continue;
+                }
                 let cell = Cell {
                     lane,
                     axis,
                     patch: patch[lane],
                     fixed: fixed[lane],
-                    ends: [pair[0], pair[1]],
+                    ends,
                 };
                 match cell.resolve(tracer, adjacency, surface, &vertices.triangle, counts) {
                     Some(crossing) => out.push(crossing),
-                    None => counts.unresolved += 1,
+                    None => {
+                        counts.unresolved += 1;
+                        all_found = false;
+                    }
                 }
             }
+            if all_found {
+                let spacing = (ends[1][lane] - ends[0][lane]) / INNER_POINTS as f32;
+                weigh_short_runs(&mut out[first..], spacing as f64);
+            }
         }
+    }
+}
+
+/// An interval of shadow (or light) shorter than the spacing of the points is met by one of them with the chance
+/// length/spacing: when it is met, its two ends stand for all that are not.
+fn weigh_short_runs(crossings: &mut [LightCrossing], spacing: f64) {
+    let at: Vec<f64> = crossings.iter().map(|c| c.at[c.axis as usize]).collect();
+    let weight = |from: usize| {
+        let length = (at[from + 1] - at[from]).abs().max(SHORTEST_RUN * spacing);
+        (spacing / length).max(1.0)
+    };
+    for i in 0..at.len() {
+        let before = if i > 0 { weight(i - 1) } else { 1.0 };
+        let after = if i + 1 < at.len() { weight(i) } else { 1.0 };
+        crossings[i].jump *= before.max(after);
     }
 }
 

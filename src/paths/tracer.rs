@@ -9,7 +9,7 @@
 
 use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
-use super::light_cells::{self, LineChoice};
+use super::light_cells::{self, Lines};
 use super::lights::Lights;
 use super::random::Stream;
 use super::store::{LightSamples, TileStore, Vertices, lane_mask, masked};
@@ -424,14 +424,12 @@ impl Tracer<'_> {
         // Fold the square onto a single triangle, on which the density doubles.
         let drawn = [s.to_array(), r.to_array()];
         let [mut s, mut r] = drawn;
-        let mut folded = 0;
         let mut pdf = [0.0; LANES];
         for l in 0..LANES {
             pdf[l] = patches[l].probability;
             if patches[l].upper.is_none() {
                 pdf[l] *= 2.0;
                 if s[l] + r[l] > 1.0 {
-                    folded |= 1 << l;
                     (s[l], r[l]) = (1.0 - s[l], 1.0 - r[l]);
                 }
             }
@@ -456,11 +454,11 @@ impl Tracer<'_> {
         };
         if let Some(adjacency) = self.adjacency {
             let [s, r] = drawn;
-            let choice = LineChoice {
+            let (_, jitter) = stream.pair(index, base + 1);
+            let lines = Lines {
                 s,
                 r,
-                on_lines: lit.to_bits() & !folded,
-                visible,
+                jitter: jitter.to_array(),
             };
             let first = store.light_crossings.len() as u32;
             light_cells::find(
@@ -469,7 +467,7 @@ impl Tracer<'_> {
                 vertices,
                 surface,
                 &patch,
-                &choice,
+                &lines,
                 counts,
                 &mut store.light_crossings,
             );

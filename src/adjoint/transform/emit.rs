@@ -71,7 +71,7 @@ fn adjoint(library: &Library, module: &str, function: &syn::ItemFn) -> Result<To
     let outputs: Vec<TokenStream> = active.iter().map(|(_, k)| k.tokens()).collect();
     let listed: Vec<String> = active.iter().map(|(n, _)| format!("`{n}`")).collect();
     let doc = format!(
-        " The reverse of [`{name}`](crate::kernels::{module}::{name}): the cotangent of {} from that of its result.",
+        " The reverse of `kernels::{module}::{name}`: the cotangent of {} from that of its result.",
         listed.join(", ")
     );
     let (bar_name, result) = (ident(&bar_name), result.tokens());
