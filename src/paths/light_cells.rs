@@ -145,10 +145,10 @@ fn weigh_short_runs(crossings: &mut [LightCrossing], spacing: f64) {
         let length = (at[from + 1] - at[from]).abs().max(SHORTEST_RUN * spacing);
         (spacing / length).max(1.0)
     };
-    for i in 0..at.len() {
+    for (i, crossing) in crossings.iter_mut().enumerate() {
         let before = if i > 0 { weight(i - 1) } else { 1.0 };
         let after = if i + 1 < at.len() { weight(i) } else { 1.0 };
-        crossings[i].jump *= before.max(after);
+        crossing.jump *= before.max(after);
     }
 }
 
