@@ -221,9 +221,9 @@ const RADIUS: f64 = 0.7;
 const HEIGHT: f64 = 0.9;
 const CORNERS: u32 = 600;
 
-fn disc_derivatives() -> [f64; 2] {
-    let square = RADIUS * RADIUS + HEIGHT * HEIGHT;
-    let common = 2.0 * RADIUS * RADIUS * HEIGHT / (square * square);
+fn disc_derivatives(radius: f64) -> [f64; 2] {
+    let square = radius * radius + HEIGHT * HEIGHT;
+    let common = 2.0 * radius * radius * HEIGHT / (square * square);
     [common * HEIGHT, -common]
 }
 
@@ -236,7 +236,7 @@ fn a_disc_that_shines() {
         CORNERS,
     );
     let scene = spot().light("disc", shape, [RADIANCE as f32; 3]);
-    let [by_scale, by_height] = disc_derivatives().map(|d| PI * RADIANCE * d);
+    let [by_scale, by_height] = disc_derivatives(RADIUS).map(|d| PI * RADIANCE * d);
     assert_is(
         "scale",
         derivative_of_irradiance(&scene, "disc.scale", &[1.0], 256),
@@ -298,4 +298,31 @@ fn a_sphere_that_shines() {
         derivative_of_irradiance(&scene, "ball.translation", &values, 1024),
         by_distance,
     );
+}
+
+/// The sky gives πL, less what the disc hides. Small discs fall between the points at which a vertex looks at the sky.
+#[test]
+fn discs_before_the_sky() {
+    for (radius, spp) in [(0.7, 1024), (0.35, 1024), (0.0875, 8192)] {
+        let shape = disc(
+            vec3(0.0, 0.0, HEIGHT as f32),
+            Vec3::NEG_Z,
+            radius as f32,
+            CORNERS,
+        );
+        let scene = spot()
+            .sky([RADIANCE as f32; 3])
+            .solid("disc", shape, [0.0; 3]);
+        let [by_scale, by_height] = disc_derivatives(radius).map(|d| -PI * RADIANCE * d);
+        assert_is(
+            &format!("scale at radius {radius}"),
+            derivative_of_irradiance(&scene, "disc.scale", &[1.0], spp),
+            by_scale,
+        );
+        assert_is(
+            &format!("height at radius {radius}"),
+            derivative_of_irradiance(&scene, "disc.translation", &[0.0, 0.0, 1.0], spp),
+            by_height,
+        );
+    }
 }

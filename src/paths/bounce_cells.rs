@@ -22,7 +22,7 @@ use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
-use crate::warp::resolve::{Unresolved, between};
+use crate::warp::resolve::{Crossing, Unresolved, between};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
 
@@ -54,6 +54,8 @@ const PROBE_INDEX: u32 = 0x4000_0000;
 /// Points on a line besides its bounce and its two ends on the horizon: jittered, so that no silhouette hides between
 /// the same two points for all vertices.
 const INNER_POINTS: usize = 4;
+/// Runs that are met with less than this chance are weighed as if it were this.
+const SMALLEST_CHANCE: f64 = 1e-3;
 
 /// Finds the crossings on a line through each lane's bounce `rays`, for the vertex stored last; `depth` is that of the
 /// vertices the bounces lead to. One of the two families is drawn for the whole packet.
@@ -160,11 +162,38 @@ impl Lines {
         }
     }
 
+    /// Where a direction that lies on a lane's line lies on it.
+    fn psi_of(&self, lane: usize, direction: DVec3) -> f64 {
+        let along = |v: V3<Lane>| lane_of(v, lane).as_dvec3().dot(direction);
+        along(self.pole).atan2(along(self.middle))
+    }
+
     /// Directions of point `i` in all lanes.
     fn directions(&self, i: usize) -> V3<Lane> {
         let (sin, cos) = Lane::new(self.psi[i]).sin_cos();
         self.pole * sin + self.middle * cos.max(Lane::splat(0.0))
     }
+}
+
+/// The chance that a point of a line falls between ψ = `from` and `to`: one of the jittered points, which stand at equal
+/// distances, or the bounce, whose density on its line is 2/π cos²ψ.
+fn chance_of_meeting(from: f64, to: f64) -> f64 {
+    use std::f64::consts::{FRAC_1_PI, PI};
+    let jittered = ((to - from) * INNER_POINTS as f64 * FRAC_1_PI).min(1.0);
+    let below = |psi: f64| (psi + psi.sin() * psi.cos()) / PI;
+    let bounce = below(to) - below(from);
+    (1.0 - (1.0 - jittered) * (1.0 - bounce)).max(SMALLEST_CHANCE)
+}
+
+/// What stands between two silhouettes of a line is met with a chance that is known once it has been met: its silhouettes
+/// stand for all those that were not. `psi` of all silhouettes on the line, increasing; the two ends of the line are
+/// always looked at. Returns the weight of each run: before the first silhouette, between them, after the last.
+fn run_weights(psi: &[f64]) -> Vec<f64> {
+    let mut weights = vec![1.0; psi.len() + 1];
+    for (weight, ends) in weights[1..].iter_mut().zip(psi.windows(2)) {
+        *weight = 1.0 / chance_of_meeting(ends[0], ends[1]);
+    }
+    weights
 }
 
 fn horizon_axis(surface: &Surface, axis: usize) -> V3<Lane> {
@@ -183,6 +212,19 @@ struct Finder<'a> {
     lines: Lines,
     counts: &'a mut Counts,
     out: &'a mut Vec<BounceCrossing>,
+}
+
+/// A crossing on a line among reflecting surfaces, before its jump is known.
+struct Found {
+    boundary: Boundary,
+    arc: Arc,
+    /// Where on the arc.
+    s: f64,
+    /// Where on the line.
+    psi: f64,
+    is_silhouette: bool,
+    /// How many it stands for.
+    weight: f64,
 }
 
 /// There are two families and one is drawn.
@@ -220,8 +262,11 @@ impl Finder<'_> {
                     .occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
             (wanted & !blocked) | (free & is_bounce)
         });
-        for i in 0..INNER_POINTS + 2 {
-            for lane in (0..LANES).filter(|&l| (open[i] ^ open[i + 1]) & active & 1 << l != 0) {
+        let changes = open.windows(2).fold(0, |bits, o| bits | (o[0] ^ o[1]));
+        for lane in (0..LANES).filter(|&l| changes & active & 1 << l != 0) {
+            let mut silhouettes: Vec<(f64, DVec3, Boundary, f32)> = Vec::new();
+            let mut all_found = true;
+            for i in (0..INNER_POINTS + 2).filter(|&i| (open[i] ^ open[i + 1]) >> lane & 1 == 1) {
                 let ends = [i, i + 1].map(|i| lane_of(self.lines.directions(i), lane).as_dvec3());
                 let before_is_bright = open[i] >> lane & 1 == 1;
                 let cell = if before_is_bright {
@@ -242,17 +287,36 @@ impl Finder<'_> {
                     self.counts,
                 ) {
                     Some(OccluderEnd { edge, at: s, .. }) => {
-                        let jump = radiance.map(|r| if before_is_bright { r } else { -r });
-                        self.push(lane, Boundary::Edge(edge), direction(s), jump);
+                        let sign = if before_is_bright { 1.0 } else { -1.0 };
+                        let direction = direction(s).normalize();
+                        let psi = self.lines.psi_of(lane, direction);
+                        silhouettes.push((psi, direction, Boundary::Edge(edge), sign));
                     }
-                    None => self.counts.unresolved += 1,
+                    None => {
+                        self.counts.unresolved += 1;
+                        all_found = false;
+                    }
                 }
+            }
+            let psi: Vec<f64> = silhouettes.iter().map(|s| s.0).collect();
+            let weights = run_weights(&psi);
+            for (i, (_, direction, boundary, sign)) in silhouettes.into_iter().enumerate() {
+                let weight = if all_found {
+                    weights[i].max(weights[i + 1]) as f32
+                } else {
+                    1.0
+                };
+                self.push(
+                    lane,
+                    boundary,
+                    direction,
+                    radiance.map(|r| r * sign * weight),
+                );
             }
         }
     }
 
     fn push(&mut self, lane: usize, boundary: Boundary, direction: DVec3, jump: Rgb) {
-        let direction = direction.normalize();
         let n = lane_of(self.surface.n, lane).as_dvec3();
         let along = |axis: usize| {
             lane_of(horizon_axis(self.surface, axis), lane)
@@ -302,7 +366,9 @@ impl Finder<'_> {
                 point.first_hit(self.tracer, d, f32::INFINITY, &mut Counts::default()),
             )
         });
-        let mut found: Vec<(Boundary, Arc, f64, u32)> = Vec::new();
+        let mut found: Vec<Found> = Vec::new();
+        let mut silhouettes: Vec<f64> = Vec::new();
+        let mut all_found = true;
         for (i, pair) in points.windows(2).enumerate() {
             let arc = Arc {
                 origin,
@@ -318,20 +384,47 @@ impl Finder<'_> {
                 choice,
                 2.0 * PROBE,
             ) {
-                Ok(crossings) => found.extend(
-                    crossings
-                        .into_iter()
-                        .flatten()
-                        .map(|c| (c.boundary, arc, c.s, c.count)),
-                ),
-                Err(Unresolved) => self.counts.unresolved += 1,
+                Ok([silhouette, ridge]) => {
+                    for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
+                        let Some(Crossing { boundary, s, count }) = crossing else {
+                            continue;
+                        };
+                        let psi = self.lines.psi_of(lane, arc.direction(s));
+                        if is_silhouette {
+                            silhouettes.push(psi);
+                        }
+                        found.push(Found {
+                            boundary,
+                            arc,
+                            s,
+                            psi,
+                            is_silhouette,
+                            weight: count as f64,
+                        });
+                    }
+                }
+                Err(Unresolved) => {
+                    self.counts.unresolved += 1;
+                    all_found = false;
+                }
+            }
+        }
+        if all_found {
+            let weights = run_weights(&silhouettes);
+            for found in &mut found {
+                let run = silhouettes.partition_point(|&p| p < found.psi);
+                found.weight *= if found.is_silhouette {
+                    weights[run].max(weights[run + 1])
+                } else {
+                    weights[run]
+                };
             }
         }
         // Look on both sides of each silhouette: the jump is taken where it is, not at the ends of the cell.
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
             let mut packet = 0;
-            for (i, (_, arc, s, _)) in group.iter().enumerate() {
+            for (i, Found { arc, s, .. }) in group.iter().enumerate() {
                 for (k, side) in [-PROBE, PROBE].into_iter().enumerate() {
                     directions[2 * i + k] = arc.direction(s + side).normalize().as_vec3();
                     packet |= 1 << (2 * i + k);
@@ -354,11 +447,13 @@ impl Finder<'_> {
             let radiance = self
                 .tracer
                 .radiance_along(rays, depth, stream, &index, self.counts);
-            for (i, (boundary, arc, s, count)) in group.iter().enumerate() {
+            for (i, found) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l));
-                let jump = ((before - after) * (FAMILIES * (lanes * count) as f32)).to_array();
+                let weight = FAMILIES * lanes as f32 * found.weight as f32;
+                let jump = ((before - after) * weight).to_array();
                 if jump.iter().all(|j| j.is_finite()) {
-                    self.push(lane, *boundary, arc.direction(*s), jump);
+                    let direction = found.arc.direction(found.s).normalize();
+                    self.push(lane, found.boundary, direction, jump);
                 } else {
                     self.counts.not_finite += 1;
                 }
