@@ -4,7 +4,7 @@ use glam::{Vec3, Vec3A};
 use std::io;
 use std::path::Path;
 use warpath::scene::source::{FileSource, Memory};
-use warpath::scene::{Filter, Normals, Scene, SceneError, load_from};
+use warpath::scene::{Filter, Normals, Rgb, Scene, SceneError, load_from};
 
 const SENSOR: &str =
     "<sensor type=\"perspective\" id=\"cam\"><float name=\"fov\" value=\"40\"/></sensor>";
@@ -40,6 +40,11 @@ fn face_normal(scene: &Scene, mesh: usize, triangle: usize) -> Vec3 {
     (b - a).cross(c - a).normalize()
 }
 
+fn colour(scene: &Scene, material: usize) -> Rgb {
+    let texture = scene.materials[material].bsdf.colour();
+    scene.constant(texture.expect("a colour"))
+}
+
 #[test]
 fn defaults_are_mitsubas() {
     let scene = scene(
@@ -57,16 +62,10 @@ fn defaults_are_mitsubas() {
         (u32::MAX, 5)
     );
     // A shape without a bsdf is grey; if it emits, black.
-    assert_eq!(
-        scene.materials[scene.meshes[0].material].reflectance,
-        [0.5; 3]
-    );
-    assert_eq!(
-        scene.materials[scene.meshes[1].material].reflectance,
-        [0.0; 3]
-    );
+    assert_eq!(colour(&scene, scene.meshes[0].material), [0.5; 3]);
+    assert_eq!(colour(&scene, scene.meshes[1].material), [0.0; 3]);
     assert!(!scene.materials[0].two_sided);
-    assert_eq!(scene.area_lights[0].radiance, [1.0; 3]);
+    assert_eq!(scene.constant(scene.area_lights[0].radiance), [1.0; 3]);
     let ids: Vec<&str> = scene.meshes.iter().map(|m| m.id.as_str()).collect();
     assert_eq!(ids, ["Cube", "Cube_1"]);
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
@@ -282,16 +281,13 @@ fn references_share_materials_and_colours_have_many_spellings() {
     );
     let materials: Vec<usize> = scene.meshes.iter().map(|m| m.material).collect();
     assert_eq!(materials, [0, 0, 1, 2]);
-    assert_eq!(scene.materials[0].reflectance, [1.0, 0.0, 0.0]);
+    assert_eq!(colour(&scene, 0), [1.0, 0.0, 0.0]);
     assert!(scene.materials[0].two_sided);
     assert_eq!(
-        (
-            scene.materials[1].key.as_str(),
-            scene.materials[1].reflectance
-        ),
+        (scene.materials[1].key.as_str(), colour(&scene, 1)),
         ("grey", [0.25; 3])
     );
-    assert_eq!(scene.materials[2].reflectance, [0.75; 3]);
+    assert_eq!(colour(&scene, 2), [0.75; 3]);
 }
 
 #[test]

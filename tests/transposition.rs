@@ -95,13 +95,7 @@ fn numbers(d: &SceneDifferential) -> impl Iterator<Item = f64> + '_ {
         .flatten()
         .flatten()
         .map(|v| v.to_array());
-    let colours = d
-        .reflectance
-        .iter()
-        .chain(&d.radiance)
-        .chain([&d.environment])
-        .flatten()
-        .copied();
+    let colours = d.texels.iter().flatten().flatten().copied();
     let camera = d.camera.iter().flat_map(|c| {
         [
             c.translation.to_array(),

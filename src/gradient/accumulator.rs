@@ -1,7 +1,7 @@
 //! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
 
 use crate::lanes::{LANES, Lane, V3};
-use crate::scene::{CameraDifferential, Rgb, Scene, SceneDifferential};
+use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
 
@@ -9,9 +9,8 @@ use glam::{DVec3, Vec3};
 pub struct Wanted {
     pub mesh: Vec<bool>,
     pub camera: bool,
-    pub reflectance: bool,
-    pub radiance: bool,
-    pub environment: bool,
+    /// Per texture.
+    pub texels: Vec<bool>,
 }
 
 impl Wanted {
@@ -19,10 +18,13 @@ impl Wanted {
         Self {
             mesh: request.positions.iter().map(Option::is_some).collect(),
             camera: request.camera.is_some(),
-            reflectance: request.reflectance.iter().any(Option::is_some),
-            radiance: request.radiance.iter().any(Option::is_some),
-            environment: request.environment.is_some(),
+            texels: request.texels.iter().map(Option::is_some).collect(),
         }
+    }
+
+    /// Whether any colour is wanted.
+    pub fn colours(&self) -> bool {
+        self.texels.contains(&true)
     }
 
     /// Whether any vertex or the camera is wanted.
@@ -88,9 +90,10 @@ pub struct CameraSum {
 pub struct TileSums {
     pub positions: SparseVectors,
     pub normals: SparseVectors,
-    pub reflectance: Vec<[f64; 3]>,
-    pub radiance: Vec<[f64; 3]>,
-    pub environment: [f64; 3],
+    /// Texels of all textures, one after another.
+    pub texels: SparseVectors,
+    /// The number of the first texel of each texture.
+    pub first_texel: Vec<u32>,
     pub camera: CameraSum,
 }
 
@@ -98,9 +101,7 @@ pub struct TileSums {
 pub struct TileGradient {
     positions: Vec<(u32, Vec3)>,
     normals: Vec<(u32, Vec3)>,
-    reflectance: Vec<[f64; 3]>,
-    radiance: Vec<[f64; 3]>,
-    environment: [f64; 3],
+    texels: Vec<(u32, Vec3)>,
     camera: CameraSum,
 }
 
@@ -110,23 +111,29 @@ impl TileSums {
         Self {
             positions: SparseVectors::new(if any { geometry.positions.len() } else { 0 }),
             normals: SparseVectors::new(if any { geometry.normals.len() } else { 0 }),
-            reflectance: vec![[0.0; 3]; scene.materials.len()],
-            radiance: vec![[0.0; 3]; scene.area_lights.len()],
-            environment: [0.0; 3],
+            texels: SparseVectors::new(if wanted.colours() {
+                first_texels(scene).last().map_or(0, |&n| n as usize)
+            } else {
+                0
+            }),
+            first_texel: first_texels(scene),
             camera: CameraSum::default(),
+        }
+    }
+
+    /// Adds to a texel of a texture, if it is wanted.
+    pub fn add_texel(&mut self, wanted: &Wanted, texture: usize, texel: u32, value: Vec3) {
+        if wanted.texels[texture] && value.is_finite() {
+            self.texels.add(self.first_texel[texture] + texel, value);
         }
     }
 
     /// Takes the tile's sums, leaving zeros.
     pub fn take(&mut self) -> TileGradient {
-        let zeros = |v: &[[f64; 3]]| vec![[0.0; 3]; v.len()];
-        let (reflectance, radiance) = (zeros(&self.reflectance), zeros(&self.radiance));
         TileGradient {
             positions: self.positions.drain(),
             normals: self.normals.drain(),
-            reflectance: std::mem::replace(&mut self.reflectance, reflectance),
-            radiance: std::mem::replace(&mut self.radiance, radiance),
-            environment: std::mem::take(&mut self.environment),
+            texels: self.texels.drain(),
             camera: std::mem::take(&mut self.camera),
         }
     }
@@ -136,9 +143,7 @@ impl TileSums {
 pub struct FilmSums {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
-    reflectance: Vec<[f64; 3]>,
-    radiance: Vec<[f64; 3]>,
-    environment: [f64; 3],
+    texels: Vec<DVec3>,
     camera: CameraSum,
 }
 
@@ -148,9 +153,14 @@ impl FilmSums {
         Self {
             positions: vec![DVec3::ZERO; if any { geometry.positions.len() } else { 0 }],
             normals: vec![DVec3::ZERO; if any { geometry.normals.len() } else { 0 }],
-            reflectance: vec![[0.0; 3]; scene.materials.len()],
-            radiance: vec![[0.0; 3]; scene.area_lights.len()],
-            environment: [0.0; 3],
+            texels: vec![
+                DVec3::ZERO;
+                if wanted.colours() {
+                    first_texels(scene).last().map_or(0, |&n| n as usize)
+                } else {
+                    0
+                }
+            ],
             camera: CameraSum::default(),
         }
     }
@@ -163,12 +173,9 @@ impl FilmSums {
         for &(v, value) in &tile.normals {
             self.normals[v as usize] += value.as_dvec3();
         }
-        add_colours(&mut self.reflectance, &tile.reflectance);
-        add_colours(&mut self.radiance, &tile.radiance);
-        add_colours(
-            std::slice::from_mut(&mut self.environment),
-            &[tile.environment],
-        );
+        for &(texel, value) in &tile.texels {
+            self.texels[texel as usize] += value.as_dvec3();
+        }
         self.camera.origin += tile.camera.origin;
         for (axis, value) in self.camera.axes.iter_mut().zip(tile.camera.axes) {
             *axis += value;
@@ -198,20 +205,11 @@ impl FilmSums {
                 gradient.given_normals[mesh] = given;
             }
         }
-        let narrow = |c: [f64; 3]| -> Rgb { c.map(|x| x as f32) };
-        let fill = |wanted: &mut [Option<Rgb>], sums: &[[f64; 3]]| {
-            for (slot, sum) in wanted.iter_mut().zip(sums) {
-                if slot.is_some() {
-                    *slot = Some(narrow(*sum));
-                }
+        for (texels, first) in gradient.texels.iter_mut().zip(first_texels(scene)) {
+            for (i, texel) in texels.iter_mut().flatten().enumerate() {
+                *texel = self.texels[first as usize + i].as_vec3().to_array();
             }
-        };
-        fill(&mut gradient.reflectance, &self.reflectance);
-        fill(&mut gradient.radiance, &self.radiance);
-        fill(
-            std::slice::from_mut(&mut gradient.environment),
-            &[self.environment],
-        );
+        }
         if gradient.camera.is_some() {
             let sums = &self.camera;
             let rotation: DVec3 = camera
@@ -231,12 +229,13 @@ impl FilmSums {
     }
 }
 
-fn add_colours(sums: &mut [[f64; 3]], values: &[[f64; 3]]) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        for c in 0..3 {
-            sum[c] += value[c];
-        }
+/// The number of the first texel of each texture, and of all texels.
+fn first_texels(scene: &Scene) -> Vec<u32> {
+    let mut first = vec![0];
+    for texture in &scene.textures {
+        first.push(first[first.len() - 1] + texture.texels.len() as u32);
     }
+    first
 }
 
 /// Sums a vector's lanes that `bits` selects, in f64.

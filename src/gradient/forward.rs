@@ -133,8 +133,10 @@ impl<'a> ForwardSweep<'a> {
             .scene
             .environment
             .as_ref()
-            .map_or([0.0; 3], |e| e.radiance);
-        let radiance = constant_rgb(value, self.motion.environment.unwrap_or([0.0; 3]));
+            .map_or([0.0; 3], |e| self.tracer.scene.constant(e.radiance));
+        let tangent = self.tracer.scene.environment.as_ref();
+        let tangent = tangent.map_or([0.0; 3], |e| self.motion.texel(e.radiance));
+        let radiance = constant_rgb(value, tangent);
         tangent_of(chain.throughput.times(radiance))
     }
 
@@ -161,14 +163,15 @@ impl<'a> ForwardSweep<'a> {
     }
 
     fn reflectance(&self, vertices: &Vertices) -> V3<D> {
-        let tangent = match &self.motion.reflectance {
-            None => V3::splat(0.0),
-            Some(tangents) => {
+        let tangent = match self.motion.colours {
+            false => V3::splat(0.0),
+            true => {
                 let scene = self.tracer.scene;
                 let lit = vertices.facing.gt(Lane::splat(0.0))
                     | lane_mask(self.tracer.two_sided(vertices));
                 let tangent = self.tracer.per_lane(&vertices.triangle, |mesh, _| {
-                    tangents[scene.meshes[mesh].material]
+                    let bsdf = &scene.materials[scene.meshes[mesh].material].bsdf;
+                    bsdf.colour().map_or([0.0; 3], |t| self.motion.texel(t))
                 });
                 V3::select(lit, tangent, V3::splat(0.0))
             }
@@ -186,9 +189,11 @@ impl<'a> ForwardSweep<'a> {
         previous: Option<&MovingSurface>,
     ) -> V3<Lane> {
         let value = self.tracer.emission(vertices);
-        let tangent = match &self.motion.radiance {
-            None => V3::splat(0.0),
-            Some(tangents) => self.tracer.emitted(vertices, |light| tangents[light]),
+        let tangent = match self.motion.colours {
+            false => V3::splat(0.0),
+            true => self
+                .tracer
+                .emitted(vertices, |light| self.radiance_tangent_of(light)),
         };
         let mut emitted = dual_vector(value, tangent) * constant(vertices.emission_weight);
         if let (Some(from), true) = (previous, chain.moves) {
@@ -250,10 +255,17 @@ impl<'a> ForwardSweep<'a> {
         )
     }
 
+    fn radiance_tangent_of(&self, light: usize) -> Rgb {
+        self.motion
+            .texel(self.tracer.scene.area_lights[light].radiance)
+    }
+
     fn light_radiance(&self, patch: &[u32; LANES]) -> V3<D> {
-        let tangent = match &self.motion.radiance {
-            None => V3::splat(0.0),
-            Some(tangents) => self.tracer.per_patch(patch, |light| tangents[light]),
+        let tangent = match self.motion.colours {
+            false => V3::splat(0.0),
+            true => self
+                .tracer
+                .per_patch(patch, |light| self.radiance_tangent_of(light)),
         };
         dual_vector(self.tracer.light_radiance(patch), tangent)
     }
@@ -370,7 +382,9 @@ impl LightCrossing {
         let scale = irradiance * self.jump * velocity / patch.probability as f64;
         let colour = vertices.throughput.times(vertices.reflectance);
         let colour = lane_of(colour, lane).to_array();
-        let radiance = tracer.scene.area_lights[patch.light as usize].radiance;
+        let radiance = tracer
+            .scene
+            .constant(tracer.scene.area_lights[patch.light as usize].radiance);
         Some(std::array::from_fn(|i| {
             scale * (colour[i] * radiance[i]) as f64
         }))

@@ -15,10 +15,10 @@ pub struct Motion {
     /// Whether each mesh moves or its normals turn.
     pub moving_mesh: Vec<bool>,
     pub camera: Option<CameraDifferential>,
-    /// Per material, per area light; `None` if all are still.
-    pub reflectance: Option<Vec<Rgb>>,
-    pub radiance: Option<Vec<Rgb>>,
-    pub environment: Option<Rgb>,
+    /// Per texture, per texel.
+    pub texels: Vec<Option<Vec<Rgb>>>,
+    /// Whether any of them changes.
+    pub colours: bool,
 }
 
 impl Motion {
@@ -50,20 +50,19 @@ impl Motion {
         } else {
             Vec::new()
         };
-        let colours = |of: &[Option<Rgb>]| {
-            of.iter()
-                .any(Option::is_some)
-                .then(|| of.iter().map(|c| c.unwrap_or([0.0; 3])).collect())
-        };
         Self {
             positions,
             normals,
             moving_mesh,
             camera: tangent.camera,
-            reflectance: colours(&tangent.reflectance),
-            radiance: colours(&tangent.radiance),
-            environment: tangent.environment,
+            texels: tangent.texels.clone(),
+            colours: tangent.texels.iter().any(Option::is_some),
         }
+    }
+
+    /// How the colour of a constant texture changes.
+    pub fn texel(&self, texture: usize) -> Rgb {
+        self.texels[texture].as_ref().map_or([0.0; 3], |t| t[0])
     }
 
     /// Whether the mesh of a triangle moves.

@@ -176,7 +176,7 @@ impl ReverseSweep<'_> {
             let (x, n, rho) = self.light_sample(vertices, here, radiance_bar, &mut back, sums);
             (x_bar, n_bar, reflectance_bar) = (x_bar + x, n_bar + n, reflectance_bar + rho);
         }
-        if self.wanted.reflectance {
+        if self.wanted.colours() {
             self.add_reflectance(vertices, reflectance_bar, sums);
         }
         if !self.wanted.geometry() {
@@ -216,12 +216,12 @@ impl ReverseSweep<'_> {
             .scene
             .environment
             .as_ref()
-            .map_or([0.0; 3], |e| e.radiance);
+            .map_or([0.0; 3], |e| self.tracer.scene.constant(e.radiance));
         let environment = splat(Vec3::from(radiance));
         back.throughput = masked(vertices.escaped, radiance_bar.times(environment));
-        if self.wanted.environment {
+        if let (true, Some(environment)) = (self.wanted.colours(), &self.tracer.scene.environment) {
             let sum = sum_lanes(radiance_bar.times(vertices.throughput), vertices.escaped);
-            add(&mut sums.environment, sum);
+            sums.add_texel(self.wanted, environment.radiance, 0, sum.as_vec3());
         }
     }
 
@@ -243,17 +243,15 @@ impl ReverseSweep<'_> {
         let emitted = self.tracer.emission(vertices) * weight;
         back.throughput = back.throughput + masked(vertices.hit, radiance_bar.times(emitted));
         let by_radiance = radiance_bar.times(vertices.throughput) * weight;
-        if self.wanted.radiance {
+        if self.wanted.colours() {
             for lane in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
                 let mesh = self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize]
                     as usize;
                 if let Some(light) = self.tracer.lights.of_mesh[mesh]
                     && self.tracer.sees_front(vertices, lane)
                 {
-                    add(
-                        &mut sums.radiance[light as usize],
-                        lane_of(by_radiance, lane).as_dvec3(),
-                    );
+                    let texture = self.tracer.scene.area_lights[light as usize].radiance;
+                    sums.add_texel(self.wanted, texture, 0, lane_of(by_radiance, lane));
                 }
             }
         }
@@ -313,14 +311,12 @@ impl ReverseSweep<'_> {
         let colour = radiance_bar
             .times(vertices.throughput)
             .times(vertices.reflectance);
-        if self.wanted.radiance {
+        if self.wanted.colours() {
             let by_radiance = colour * scale;
             for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
                 let index = self.tracer.lights.patches[light.patch[lane] as usize].light as usize;
-                add(
-                    &mut sums.radiance[index],
-                    lane_of(by_radiance, lane).as_dvec3(),
-                );
+                let texture = self.tracer.scene.area_lights[index].radiance;
+                sums.add_texel(self.wanted, texture, 0, lane_of(by_radiance, lane));
             }
         }
         if !self.wanted.geometry() {
@@ -352,9 +348,9 @@ impl ReverseSweep<'_> {
                 self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize] as usize;
             let index = self.tracer.scene.meshes[mesh].material;
             let is_lit = self.tracer.scene.materials[index].two_sided || facing[lane] > 0.0;
-            let value = lane_of(bar, lane).as_dvec3();
-            if is_lit && value.is_finite() {
-                add(&mut sums.reflectance[index], value);
+            let colour = self.tracer.scene.materials[index].bsdf.colour();
+            if let (true, Some(texture)) = (is_lit, colour) {
+                sums.add_texel(self.wanted, texture, 0, lane_of(bar, lane));
             }
         }
     }
@@ -604,14 +600,6 @@ impl ReverseSweep<'_> {
     pub fn moves(&self, a: u32, b: u32) -> bool {
         let of = |t: u32| t != NO_TRIANGLE && self.wanted.moves(self.tracer.geometry, t);
         self.wanted.camera || of(a) || of(b)
-    }
-}
-
-fn add(sum: &mut [f64; 3], value: DVec3) {
-    if value.is_finite() {
-        for (s, v) in sum.iter_mut().zip(value.to_array()) {
-            *s += v;
-        }
     }
 }
 

@@ -235,7 +235,11 @@ impl Finder<'_> {
         let Some(environment) = &self.tracer.scene.environment else {
             return;
         };
-        let radiance = environment.radiance.map(|r| r * FAMILIES);
+        let radiance = self
+            .tracer
+            .scene
+            .constant(environment.radiance)
+            .map(|r| r * FAMILIES);
         let active = self.rays.active;
         let open: [u32; INNER_POINTS + 3] = std::array::from_fn(|i| {
             let is_bounce = (0..LANES)

@@ -44,7 +44,7 @@ impl Lights {
         for (index, light) in scene.area_lights.iter().enumerate() {
             let range =
                 geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
-            let level = luminance(light.radiance);
+            let level = luminance(scene.constant(light.radiance));
             for mut patch in pair_triangles(geometry, range) {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };

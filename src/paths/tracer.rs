@@ -316,7 +316,10 @@ impl Tracer<'_> {
         vertices.reflectance = self.per_lane(&vertices.triangle, |mesh, lane| {
             let material = &self.scene.materials[self.scene.meshes[mesh].material];
             if material.two_sided || facing[lane] > 0.0 {
-                material.reflectance
+                material
+                    .bsdf
+                    .colour()
+                    .map_or([0.0; 3], |t| self.scene.constant(t))
             } else {
                 [0.0; 3]
             }
@@ -346,7 +349,9 @@ impl Tracer<'_> {
         if self.lights.is_empty() {
             return V3::splat(0.0);
         }
-        self.emitted(vertices, |light| self.scene.area_lights[light].radiance)
+        self.emitted(vertices, |light| {
+            self.scene.constant(self.scene.area_lights[light].radiance)
+        })
     }
 
     /// A colour of each lane's light where its lit side was met; zero elsewhere.
@@ -597,7 +602,11 @@ impl Tracer<'_> {
             self.emission(vertices) * vertices.emission_weight,
         );
         if let (Some(environment), true) = (&self.scene.environment, vertices.escaped != 0) {
-            sum = sum + masked(vertices.escaped, splat(Vec3::from(environment.radiance)));
+            sum = sum
+                + masked(
+                    vertices.escaped,
+                    splat(Vec3::from(self.scene.constant(environment.radiance))),
+                );
         }
         sum
     }
@@ -615,7 +624,9 @@ impl Tracer<'_> {
 
     /// Radiance of each lane's patch.
     pub fn light_radiance(&self, patch: &[u32; LANES]) -> V3<Lane> {
-        self.per_patch(patch, |light| self.scene.area_lights[light].radiance)
+        self.per_patch(patch, |light| {
+            self.scene.constant(self.scene.area_lights[light].radiance)
+        })
     }
 
     /// A colour of the light to which each lane's patch belongs.

@@ -1,6 +1,6 @@
 //! What a scene is once it is loaded: plain data, no file in sight.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine2, Affine3A, Vec2, Vec3};
 
 /// Linear RGB radiance or reflectance.
 pub type Rgb = [f32; 3];
@@ -11,9 +11,13 @@ pub struct Scene {
     /// Shapes in the order of the file.
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
+    /// Everything that has a colour: slots of materials and emitters point here.
+    pub textures: Vec<Texture>,
     /// Area emitters, in the order of their shapes.
     pub area_lights: Vec<AreaLight>,
-    /// The `constant` environment, if the scene has one.
+    /// Lights without an extent, in the order of the file.
+    pub delta_lights: Vec<DeltaLight>,
+    /// The `constant` or `envmap` environment, if the scene has one.
     pub environment: Option<Environment>,
     /// At least one.
     pub sensors: Vec<Sensor>,
@@ -34,6 +38,8 @@ pub struct Mesh {
     /// Counter-clockwise seen from outside, `flip_normals` already applied.
     pub triangles: Vec<[u32; 3]>,
     pub normals: Normals,
+    /// Texture coordinates, one a vertex; empty if the mesh has none.
+    pub uvs: Vec<Vec2>,
     /// Index into [`Scene::materials`].
     pub material: usize,
     /// Index into [`Scene::area_lights`].
@@ -64,29 +70,225 @@ impl Normals {
     }
 }
 
-/// A surface's reflection. Only what a scene here needs.
+/// How a surface reflects and transmits. Only what a scene here needs.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The key under which `params` lists it (`<id>` or `<shape id>.bsdf`).
     pub key: String,
-    pub reflectance: Rgb,
-    /// Reflects on both sides (`twosided`); otherwise the back is black.
+    pub bsdf: Bsdf,
+    /// Reflects on both sides (`twosided`); otherwise the back is black. Means nothing to those that transmit.
     pub two_sided: bool,
+}
+
+/// Plugins of Mitsuba 3, with its conventions. Colours and roughnesses are indices into [`Scene::textures`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bsdf {
+    Diffuse {
+        reflectance: usize,
+    },
+    Conductor {
+        /// Real and imaginary index of refraction, in RGB. A mirror of reflectance 1 has η = 0, k = 1.
+        eta: usize,
+        k: usize,
+        specular_reflectance: usize,
+        microfacets: Option<Microfacets>,
+    },
+    Dielectric {
+        /// Index inside over index outside (a texture of one channel).
+        eta: usize,
+        specular_reflectance: usize,
+        specular_transmittance: usize,
+        microfacets: Option<Microfacets>,
+    },
+    Plastic {
+        eta: usize,
+        diffuse_reflectance: usize,
+        specular_reflectance: usize,
+        /// Colours shift with the number of internal reflections.
+        nonlinear: bool,
+        microfacets: Option<Microfacets>,
+    },
+    /// Lets everything through.
+    Null,
+}
+
+/// A rough interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Microfacets {
+    pub distribution: Distribution,
+    /// Roughness: a texture of one channel.
+    pub alpha: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    Beckmann,
+    Ggx,
+}
+
+/// A colour or a number over a surface.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// Of the slot that uses it first, such as `floor.bsdf.reflectance`: `params` lists `<key>.value` and so on.
+    pub key: String,
+    /// All its numbers: one for a constant, two for a checkerboard, row by row for a bitmap. Those of one channel hold
+    /// it three times.
+    pub texels: Vec<Rgb>,
+    pub layout: Layout,
+    /// 3, or 1 for roughnesses and indices of refraction.
+    pub channels: usize,
+    /// The smallest and largest values that make sense.
+    pub limits: [f32; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Layout {
+    Constant,
+    /// Of texture coordinates in units of two squares.
+    Checkerboard {
+        to_uv: Affine2,
+    },
+    Bitmap {
+        width: u32,
+        height: u32,
+        wrap: Wrap,
+        /// Between texels; otherwise the nearest one counts.
+        bilinear: bool,
+        to_uv: Affine2,
+    },
+}
+
+/// What a bitmap is outside the unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    Repeat,
+    Mirror,
+    Clamp,
 }
 
 /// Diffuse emission of a mesh, on the side its normals point to.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     pub mesh: usize,
-    pub radiance: Rgb,
+    /// Index into [`Scene::textures`].
+    pub radiance: usize,
     pub key: String,
 }
 
-/// Constant radiance from every direction.
+/// A light whose shadows are sharp.
+#[derive(Clone, Debug)]
+pub struct DeltaLight {
+    pub key: String,
+    pub kind: DeltaLightKind,
+    /// Index into [`Scene::textures`]: intensity (W/sr) of a point, irradiance across the beam of a directional light.
+    pub power: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeltaLightKind {
+    Point {
+        position: Vec3,
+    },
+    /// The unit direction in which the light travels.
+    Directional {
+        direction: Vec3,
+    },
+}
+
+/// Radiance from all directions.
 #[derive(Clone, Debug)]
 pub struct Environment {
     pub key: String,
-    pub radiance: Rgb,
+    /// Index into [`Scene::textures`]: a constant, or a latitude-longitude bitmap if there is a `map`.
+    pub radiance: usize,
+    pub map: Option<EnvironmentMap>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentMap {
+    /// From the map's own axes (+y is up) to the world's.
+    pub to_world: glam::Mat3,
+    /// Multiplies the texels.
+    pub scale: f32,
+}
+
+impl Scene {
+    /// The colour of a texture that is constant (the first texel of others).
+    pub fn constant(&self, texture: usize) -> Rgb {
+        self.textures[texture].texels[0]
+    }
+}
+
+impl Texture {
+    /// A texture of one colour.
+    pub fn constant(key: String, value: Rgb) -> Self {
+        Self {
+            key,
+            texels: vec![value],
+            layout: Layout::Constant,
+            channels: 3,
+            limits: [0.0, f32::INFINITY],
+        }
+    }
+}
+
+impl Bsdf {
+    /// The texture of its main colour.
+    pub fn colour(&self) -> Option<usize> {
+        match *self {
+            Bsdf::Diffuse { reflectance } => Some(reflectance),
+            Bsdf::Conductor {
+                specular_reflectance,
+                ..
+            }
+            | Bsdf::Dielectric {
+                specular_reflectance,
+                ..
+            } => Some(specular_reflectance),
+            Bsdf::Plastic {
+                diffuse_reflectance,
+                ..
+            } => Some(diffuse_reflectance),
+            Bsdf::Null => None,
+        }
+    }
+
+    /// The textures of its slots.
+    pub fn textures(&self) -> Vec<usize> {
+        let rough = |m: Option<Microfacets>| m.map(|m| m.alpha);
+        match *self {
+            Bsdf::Diffuse { reflectance } => vec![reflectance],
+            Bsdf::Conductor {
+                eta,
+                k,
+                specular_reflectance,
+                microfacets,
+            } => [eta, k, specular_reflectance]
+                .into_iter()
+                .chain(rough(microfacets))
+                .collect(),
+            Bsdf::Dielectric {
+                eta,
+                specular_reflectance,
+                specular_transmittance,
+                microfacets,
+            } => [eta, specular_reflectance, specular_transmittance]
+                .into_iter()
+                .chain(rough(microfacets))
+                .collect(),
+            Bsdf::Plastic {
+                eta,
+                diffuse_reflectance,
+                specular_reflectance,
+                microfacets,
+                ..
+            } => [eta, diffuse_reflectance, specular_reflectance]
+                .into_iter()
+                .chain(rough(microfacets))
+                .collect(),
+            Bsdf::Null => Vec::new(),
+        }
+    }
 }
 
 /// A perspective camera with its film.

@@ -10,13 +10,23 @@ pub struct SceneDifferential {
     pub positions: Vec<Option<Vec<Vec3>>>,
     /// Per mesh, per vertex: only for meshes with [`Normals::Given`] (others follow their positions).
     pub given_normals: Vec<Option<Vec<Vec3>>>,
-    /// Per material.
-    pub reflectance: Vec<Option<Rgb>>,
-    /// Per area light.
-    pub radiance: Vec<Option<Rgb>>,
-    pub environment: Option<Rgb>,
+    /// Per texture, per texel.
+    pub texels: Vec<Option<Vec<Rgb>>>,
+    /// Per texture: of the two rows of `to_uv`.
+    pub to_uv: Vec<Option<[f32; 6]>>,
+    pub environment: Option<EnvironmentDifferential>,
+    /// Per light without an extent: motion of a point light, world units.
+    pub delta_lights: Vec<Option<Vec3>>,
     /// The sensor that renders.
     pub camera: Option<CameraDifferential>,
+}
+
+/// Motion of the environment map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnvironmentDifferential {
+    pub scale: f32,
+    /// Radians about the world axes.
+    pub rotation: Vec3,
 }
 
 /// Motion of the camera that renders.
@@ -36,9 +46,10 @@ impl SceneDifferential {
         Self {
             positions: vec![None; scene.meshes.len()],
             given_normals: vec![None; scene.meshes.len()],
-            reflectance: vec![None; scene.materials.len()],
-            radiance: vec![None; scene.area_lights.len()],
+            texels: vec![None; scene.textures.len()],
+            to_uv: vec![None; scene.textures.len()],
             environment: None,
+            delta_lights: vec![None; scene.delta_lights.len()],
             camera: None,
         }
     }
@@ -46,6 +57,12 @@ impl SceneDifferential {
     /// Whether anything that shapes visibility moves: vertices or the camera.
     pub fn moves_geometry(&self) -> bool {
         self.camera.is_some() || self.positions.iter().any(Option::is_some)
+    }
+
+    /// Makes room (zeros) for the texels of a texture.
+    pub fn want_texels(&mut self, scene: &Scene, texture: usize) -> &mut Vec<Rgb> {
+        let texels = scene.textures[texture].texels.len();
+        self.texels[texture].get_or_insert_with(|| vec![[0.0; 3]; texels])
     }
 
     /// Makes room (zeros) for the vertices of mesh `index`, and for its normals if they are its own data.
@@ -71,22 +88,32 @@ impl SceneDifferential {
                 slot.as_mut().unwrap_or(&mut Vec::new())[i] = value;
             }
         };
-        let colour = |slot: &mut Option<Rgb>, of: &dyn Fn(&Self) -> Option<Rgb>| {
-            if slot.is_some() {
-                *slot = Some(average(&|d| Vec3::from(of(d).unwrap_or([0.0; 3]))).to_array());
-            }
-        };
         for i in 0..mean.positions.len() {
             vectors(&mut mean.positions[i], &|d| &d.positions[i]);
             vectors(&mut mean.given_normals[i], &|d| &d.given_normals[i]);
         }
-        for i in 0..mean.reflectance.len() {
-            colour(&mut mean.reflectance[i], &|d| d.reflectance[i]);
+        for (t, texels) in mean.texels.iter_mut().enumerate() {
+            for (i, texel) in texels.iter_mut().flatten().enumerate() {
+                let of = |d: &Self| d.texels[t].as_ref().map_or([0.0; 3], |v| v[i]);
+                *texel = average(&|d| Vec3::from(of(d))).to_array();
+            }
         }
-        for i in 0..mean.radiance.len() {
-            colour(&mut mean.radiance[i], &|d| d.radiance[i]);
+        for (t, numbers) in mean.to_uv.iter_mut().enumerate() {
+            for (i, number) in numbers.iter_mut().flatten().enumerate() {
+                let of = |d: &Self| d.to_uv[t].map_or(0.0, |v| v[i]);
+                *number = average(&|d| Vec3::splat(of(d))).x;
+            }
         }
-        colour(&mut mean.environment, &|d| d.environment);
+        if let Some(environment) = &mut mean.environment {
+            let of = |d: &Self| d.environment.unwrap_or_default();
+            environment.rotation = average(&|d| of(d).rotation);
+            environment.scale = average(&|d| Vec3::splat(of(d).scale)).x;
+        }
+        for (i, motion) in mean.delta_lights.iter_mut().enumerate() {
+            if let Some(motion) = motion {
+                *motion = average(&|d| d.delta_lights[i].unwrap_or_default());
+            }
+        }
         if mean.camera.is_some() {
             let of = |d: &Self| d.camera.unwrap_or_default();
             mean.camera = Some(CameraDifferential {

@@ -1,7 +1,7 @@
 //! From a scene file to a [`Scene`].
 
 use super::camera::{self, DEFAULT_INTEGRATOR};
-use super::data::{AreaLight, Environment, Scene};
+use super::data::{AreaLight, Environment, Scene, Texture};
 use super::error::SceneError;
 use super::material::{Materials, radiance};
 use super::names::Names;
@@ -35,6 +35,7 @@ pub fn load_from(
     loader.warn_unread();
     let mut scene = loader.scene;
     scene.materials = loader.materials.list;
+    scene.textures = loader.materials.textures;
     scene.hash = loader.hash.0;
     Ok(scene)
 }
@@ -60,7 +61,9 @@ impl<'a> Loader<'a> {
             scene: Scene {
                 meshes: Vec::new(),
                 materials: Vec::new(),
+                textures: Vec::new(),
                 area_lights: Vec::new(),
+                delta_lights: Vec::new(),
                 environment: None,
                 sensors: Vec::new(),
                 integrator: DEFAULT_INTEGRATOR,
@@ -133,10 +136,15 @@ impl<'a> Loader<'a> {
                 return Err(SceneError::at(&child.place, what));
             }
             shape.mesh.area_light = Some(self.scene.area_lights.len());
+            let key = format!("{id}.emitter");
+            let radiance = Texture::constant(
+                format!("{key}.radiance"),
+                radiance(tree, &tree.objects[child.object])?,
+            );
             self.scene.area_lights.push(AreaLight {
                 mesh: mesh_index,
-                radiance: radiance(tree, &tree.objects[child.object])?,
-                key: format!("{id}.emitter"),
+                radiance: self.materials.texture(radiance),
+                key,
             });
         }
         shape.mesh.id = id;
@@ -155,9 +163,12 @@ impl<'a> Loader<'a> {
                 object.error("a scene has only one environment emitter; this is a second one")
             );
         }
+        let key = self.names.of(object);
+        let radiance = Texture::constant(format!("{key}.radiance"), radiance(self.tree, object)?);
         self.scene.environment = Some(Environment {
-            key: self.names.of(object),
-            radiance: radiance(self.tree, object)?,
+            key,
+            radiance: self.materials.texture(radiance),
+            map: None,
         });
         Ok(())
     }

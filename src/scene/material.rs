@@ -1,7 +1,7 @@
 //! Materials from bsdf elements, each once however many shapes use it.
 
 use super::camera::{cannot_stand_inside, no_children};
-use super::data::{Material, Rgb};
+use super::data::{Bsdf, Material, Rgb, Texture};
 use super::error::SceneError;
 use super::xml::{Object, Tree};
 use std::collections::HashMap;
@@ -10,6 +10,7 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub(super) struct Materials {
     pub list: Vec<Material>,
+    pub textures: Vec<Texture>,
     /// For each `diffuse` element the material that its colour went into: a colour used in several places is
     /// one parameter.
     by_diffuse: HashMap<usize, usize>,
@@ -34,9 +35,22 @@ impl Materials {
                         write it out twice";
             return Err(diffuse.error(what));
         }
+        let key = object.id.as_deref().unwrap_or(key).to_string();
+        // Mitsuba puts what is inside a twosided one level down.
+        let level = if two_sided { ".brdf_0" } else { "" };
+        let reflectance = Texture {
+            limits: [0.0, 1.0],
+            ..Texture::constant(
+                format!("{key}{level}.reflectance"),
+                reflectance(tree, diffuse)?,
+            )
+        };
+        let bsdf = Bsdf::Diffuse {
+            reflectance: self.texture(reflectance),
+        };
         self.list.push(Material {
-            key: object.id.as_deref().unwrap_or(key).to_string(),
-            reflectance: reflectance(tree, diffuse)?,
+            key,
+            bsdf,
             two_sided,
         });
         self.by_diffuse.insert(diffuse_index, self.list.len() - 1);
@@ -59,12 +73,23 @@ impl Materials {
 
     /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.
     pub fn add_default(&mut self, key: &str, emits: bool) -> usize {
+        let value = if emits { [0.0; 3] } else { [0.5; 3] };
+        let reflectance = self.texture(Texture {
+            limits: [0.0, 1.0],
+            ..Texture::constant(format!("{key}.reflectance"), value)
+        });
         self.list.push(Material {
             key: key.to_string(),
-            reflectance: if emits { [0.0; 3] } else { [0.5; 3] },
+            bsdf: Bsdf::Diffuse { reflectance },
             two_sided: false,
         });
         self.list.len() - 1
+    }
+
+    /// The index of a new texture.
+    pub fn texture(&mut self, texture: Texture) -> usize {
+        self.textures.push(texture);
+        self.textures.len() - 1
     }
 }
 

@@ -16,7 +16,7 @@ pub mod vertex_normals;
 mod xml;
 
 pub use data::*;
-pub use differential::{CameraDifferential, SceneDifferential};
+pub use differential::{CameraDifferential, EnvironmentDifferential, SceneDifferential};
 pub use error::{Place, SceneError};
 pub use load::{load, load_from};
 pub use vertex_normals::vertex_normals;

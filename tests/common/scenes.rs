@@ -3,8 +3,8 @@
 use super::shapes::{Shape, icosphere};
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3, vec3};
 use warpath::scene::{
-    AreaLight, Environment, Film, Filter, Integrator, Material, Mesh, Normals, Rgb, Scene, Sensor,
-    vertex_normals,
+    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Material, Mesh, Normals, Rgb, Scene,
+    Sensor, Texture, vertex_normals,
 };
 
 pub const BOX: Filter = Filter::Box { radius: 0.5 };
@@ -39,7 +39,9 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
     Scene {
         meshes: Vec::new(),
         materials: Vec::new(),
+        textures: Vec::new(),
         area_lights: Vec::new(),
+        delta_lights: Vec::new(),
         environment: None,
         sensors: vec![sensor],
         integrator: Integrator {
@@ -76,9 +78,16 @@ fn add(
     reflectance: Rgb,
 ) {
     let key = format!("{id}.bsdf");
+    let reflectance = texture(
+        scene,
+        Texture {
+            limits: [0.0, 1.0],
+            ..Texture::constant(format!("{key}.brdf_0.reflectance"), reflectance)
+        },
+    );
     scene.materials.push(Material {
         key,
-        reflectance,
+        bsdf: Bsdf::Diffuse { reflectance },
         two_sided: true,
     });
     scene.meshes.push(Mesh {
@@ -86,9 +95,16 @@ fn add(
         positions,
         triangles,
         normals,
+        uvs: Vec::new(),
         material: scene.materials.len() - 1,
         area_light: None,
     });
+}
+
+/// The index of a new texture.
+fn texture(scene: &mut Scene, texture: Texture) -> usize {
+    scene.textures.push(texture);
+    scene.textures.len() - 1
 }
 
 impl Build for Scene {
@@ -98,9 +114,14 @@ impl Build for Scene {
     }
 
     fn sky(mut self, radiance: Rgb) -> Self {
+        let radiance = texture(
+            &mut self,
+            Texture::constant("env.radiance".into(), radiance),
+        );
         self.environment = Some(Environment {
             key: "env".into(),
             radiance,
+            map: None,
         });
         self
     }
@@ -131,10 +152,15 @@ impl Build for Scene {
         add(&mut self, id, shape, Normals::Flat, [0.0; 3]);
         let mesh = self.meshes.len() - 1;
         self.meshes[mesh].area_light = Some(self.area_lights.len());
+        let key = format!("{id}.emitter");
+        let radiance = texture(
+            &mut self,
+            Texture::constant(format!("{key}.radiance"), radiance),
+        );
         self.area_lights.push(AreaLight {
             mesh,
             radiance,
-            key: format!("{id}.emitter"),
+            key,
         });
         self
     }

@@ -2,7 +2,7 @@
 
 use super::motion::pivot;
 use super::{Parameter, Target};
-use crate::scene::data::{Normals, Rgb, Scene};
+use crate::scene::data::{Normals, Scene};
 use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
 use glam::{DVec3, Vec3};
@@ -28,9 +28,9 @@ pub fn wanted(
             Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
                 out.camera.get_or_insert_default();
             }
-            Target::Reflectance(m) => out.reflectance[m] = Some([0.0; 3]),
-            Target::Radiance(l) => out.radiance[l] = Some([0.0; 3]),
-            Target::EnvironmentRadiance => out.environment = Some([0.0; 3]),
+            Target::Texels(t) => {
+                out.want_texels(scene, t);
+            }
         }
     }
     Ok(out)
@@ -70,14 +70,15 @@ pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferentia
         Target::SensorTranslation(_) => camera.translation.to_array().to_vec(),
         Target::SensorRotation(_) => camera.rotation.to_array().to_vec(),
         Target::SensorXFov(_) => vec![camera.x_fov_deg],
-        Target::Reflectance(m) => colour(cotangent.reflectance[m]),
-        Target::Radiance(l) => colour(cotangent.radiance[l]),
-        Target::EnvironmentRadiance => colour(cotangent.environment),
+        Target::Texels(t) => match &cotangent.texels[t] {
+            // One channel is held three times: it moves all of them.
+            Some(texels) if scene.textures[t].channels == 1 => {
+                texels.iter().map(|c| c.iter().sum()).collect()
+            }
+            Some(texels) => texels.iter().flatten().copied().collect(),
+            None => vec![0.0; parameter.len()],
+        },
     }
-}
-
-fn colour(cotangent: Option<Rgb>) -> Vec<f32> {
-    cotangent.unwrap_or_default().to_vec()
 }
 
 /// Position and its cotangent.

@@ -49,7 +49,6 @@ impl Entry {
 
     /// What the parameter is now.
     pub fn value(&self, scene: &Scene) -> Value {
-        let colour = |c: &[f32; 3]| Value::Numbers(c.iter().map(|&v| f64::from(v)).collect());
         match self.target {
             Some(Target::VertexPositions(m)) => {
                 let all = scene.meshes[m].positions.iter().flat_map(|p| p.to_array());
@@ -65,12 +64,16 @@ impl Entry {
             Some(Target::SensorXFov(s)) => {
                 Value::Numbers(vec![f64::from(scene.sensors[s].x_fov_rad).to_degrees()])
             }
-            Some(Target::Reflectance(m)) => colour(&scene.materials[m].reflectance),
-            Some(Target::Radiance(l)) => colour(&scene.area_lights[l].radiance),
-            Some(Target::EnvironmentRadiance) => match &scene.environment {
-                Some(environment) => colour(&environment.radiance),
-                None => Value::Numbers(Vec::new()),
-            },
+            Some(Target::Texels(t)) => {
+                let texture = &scene.textures[t];
+                let all = texture.texels.iter();
+                let numbers = all.flat_map(|c| c[..texture.channels].iter().map(|&v| f64::from(v)));
+                if texture.texels.len() == 1 {
+                    Value::Numbers(numbers.collect())
+                } else {
+                    range(numbers)
+                }
+            }
             None => match &self.fixed {
                 Fixed::None => Value::Numbers(Vec::new()),
                 Fixed::Numbers(numbers) => Value::Numbers(numbers.clone()),
@@ -113,11 +116,10 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         let own = format!("{id}.bsdf");
         if scene.materials[mesh.material].key == own && !listed[mesh.material] {
             listed[mesh.material] = true;
-            out.push(reflectance(scene, mesh.material, &users));
+            out.extend(material(scene, mesh.material, &users));
         }
         if let Some(l) = mesh.area_light {
-            let key = format!("{}.radiance.value", scene.area_lights[l].key);
-            out.push(Entry::of(key, &[3], Target::Radiance(l)));
+            out.push(texels(scene, scene.area_lights[l].radiance));
         }
         out.push(Entry::of(
             format!("{id}.translation"),
@@ -145,11 +147,10 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         }
     }
     for m in (0..scene.materials.len()).filter(|&m| !listed[m]) {
-        out.push(reflectance(scene, m, &users));
+        out.extend(material(scene, m, &users));
     }
     if let Some(environment) = &scene.environment {
-        let key = format!("{}.radiance.value", environment.key);
-        out.push(Entry::of(key, &[3], Target::EnvironmentRadiance));
+        out.push(texels(scene, environment.radiance));
     }
     for (s, sensor) in scene.sensors.iter().enumerate() {
         sensor_entries(s, sensor, &mut out);
@@ -166,25 +167,35 @@ fn material_users(scene: &Scene) -> Vec<Vec<&str>> {
     users
 }
 
-fn reflectance(scene: &Scene, m: usize, users: &[Vec<&str>]) -> Entry {
+/// The values of a texture.
+fn texels(scene: &Scene, t: usize) -> Entry {
+    let texture = &scene.textures[t];
+    let key = format!("{}.value", texture.key);
+    Entry::of(key, &[texture.channels], Target::Texels(t))
+}
+
+fn material(scene: &Scene, m: usize, users: &[Vec<&str>]) -> Vec<Entry> {
     let material = &scene.materials[m];
-    // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings are taken for both kinds.
-    let (listed, other) = match material.two_sided {
-        true => (".brdf_0.reflectance.value", ".reflectance.value"),
-        false => (".reflectance.value", ".brdf_0.reflectance.value"),
-    };
-    let key = format!("{}{listed}", material.key);
-    let mut entry = Entry::of(key, &[3], Target::Reflectance(m));
-    entry.aliases.push(format!("{}{other}", material.key));
-    for id in &users[m] {
-        for tail in [listed, other] {
-            let alias = format!("{id}.bsdf{tail}");
-            if alias != entry.key && !entry.aliases.contains(&alias) {
-                entry.aliases.push(alias);
+    let textures = material.bsdf.textures().into_iter();
+    textures
+        .map(|t| {
+            let mut entry = texels(scene, t);
+            let slot = entry.key[material.key.len()..].to_string();
+            // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings are taken for both kinds.
+            let bare = slot.strip_prefix(".brdf_0").unwrap_or(&slot).to_string();
+            let spellings = [format!(".brdf_0{bare}"), bare];
+            let ids = users[m].iter().map(|id| format!("{id}.bsdf"));
+            for owner in std::iter::once(material.key.clone()).chain(ids) {
+                for slot in &spellings {
+                    let alias = format!("{owner}{slot}");
+                    if alias != entry.key && !entry.aliases.contains(&alias) {
+                        entry.aliases.push(alias);
+                    }
+                }
             }
-        }
-    }
-    entry
+            entry
+        })
+        .collect()
 }
 
 fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {

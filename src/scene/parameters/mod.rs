@@ -66,12 +66,8 @@ pub enum Target {
     SensorRotation(usize),
     /// The horizontal opening angle of a sensor, degrees.
     SensorXFov(usize),
-    /// The colour of a material.
-    Reflectance(usize),
-    /// The radiance of an area light.
-    Radiance(usize),
-    /// The radiance of the environment.
-    EnvironmentRadiance,
+    /// All texels of a texture.
+    Texels(usize),
 }
 
 impl Target {
@@ -86,10 +82,7 @@ impl Target {
     }
 
     fn moves_visibility(self) -> bool {
-        !matches!(
-            self,
-            Target::Reflectance(_) | Target::Radiance(_) | Target::EnvironmentRadiance
-        )
+        !matches!(self, Target::Texels(_))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Moving a scene by finite amounts: setting values, and steps for finite differences.
 
 use super::{Parameter, Target};
-use crate::scene::data::{Mesh, Normals, Rgb, Scene};
+use crate::scene::data::{Mesh, Normals, Scene};
 use crate::scene::error::SceneError;
 use crate::scene::vertex_normals::vertex_normals;
 use glam::{DQuat, DVec3};
@@ -106,11 +106,14 @@ pub fn displace<V: AsRef<[f32]>>(
                 let fov_deg = f64::from(out.sensors[s].x_fov_rad).to_degrees() + first.x;
                 set_x_fov(&mut out, &parameter.key, s, fov_deg)?;
             }
-            Target::Reflectance(m) => add(&mut out.materials[m].reflectance, first),
-            Target::Radiance(l) => add(&mut out.area_lights[l].radiance, first),
-            Target::EnvironmentRadiance => {
-                if let Some(environment) = &mut out.environment {
-                    add(&mut environment.radiance, first);
+            Target::Texels(t) => {
+                let texture = &mut out.textures[t];
+                let offsets = values.chunks_exact(texture.channels);
+                for (texel, offset) in texture.texels.iter_mut().zip(offsets) {
+                    for (c, number) in texel.iter_mut().enumerate() {
+                        let offset = offset[c.min(texture.channels - 1)];
+                        *number = (f64::from(*number) + offset) as f32;
+                    }
                 }
             }
         }
@@ -126,12 +129,6 @@ pub fn displace<V: AsRef<[f32]>>(
 
 fn value(values: &[f64], at: usize) -> f64 {
     values.get(at).copied().unwrap_or_default()
-}
-
-fn add(colour: &mut Rgb, offset: DVec3) {
-    for (channel, offset) in colour.iter_mut().zip(offset.to_array()) {
-        *channel = (f64::from(*channel) + offset) as f32;
-    }
 }
 
 fn rotate_sensor(scene: &mut Scene, s: usize, vector: DVec3) {
@@ -158,7 +155,6 @@ pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result
     let values = parameter.broadcast(values)?;
     let refuse = |what: &str| Err(SceneError::parameter(format!("{}: {what}", parameter.key)));
     let first = DVec3::from([0, 1, 2].map(|i| values.get(i).map_or(0.0, |&v| f64::from(v))));
-    let colour = [0, 1, 2].map(|i| values.get(i).copied().unwrap_or_default());
     let mut motion = MeshMotion::default();
     match target {
         Target::VertexPositions(m) => {
@@ -189,20 +185,15 @@ pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result
         }
         Target::SensorRotation(s) => rotate_sensor(scene, s, first),
         Target::SensorXFov(s) => set_x_fov(scene, &parameter.key, s, first.x)?,
-        Target::Reflectance(m) => {
-            if colour.iter().any(|c| !(0.0..=1.0).contains(c)) {
-                return refuse("a reflectance is between 0 and 1");
+        Target::Texels(t) => {
+            let texture = &mut scene.textures[t];
+            let [low, high] = texture.limits;
+            if let Some(bad) = values.iter().find(|v| !(low..=high).contains(*v)) {
+                return refuse(&format!("{bad} is not between {low} and {high}"));
             }
-            scene.materials[m].reflectance = colour;
-        }
-        Target::Radiance(_) | Target::EnvironmentRadiance => {
-            if colour.iter().any(|c| *c < 0.0) {
-                return refuse("a radiance is not negative");
-            }
-            match (target, &mut scene.environment) {
-                (Target::Radiance(l), _) => scene.area_lights[l].radiance = colour,
-                (_, Some(environment)) => environment.radiance = colour,
-                _ => {}
+            let values = values.chunks_exact(texture.channels);
+            for (texel, value) in texture.texels.iter_mut().zip(values) {
+                *texel = [0, 1, 2].map(|c| value[c.min(texture.channels - 1)]);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::motion::pivot;
 use super::{Target, find};
-use crate::scene::data::{Normals, Rgb, Scene};
+use crate::scene::data::{Normals, Scene};
 use crate::scene::differential::{CameraDifferential, SceneDifferential};
 use crate::scene::error::SceneError;
 use glam::{DVec3, Vec3};
@@ -52,9 +52,15 @@ fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32
         Target::SensorTranslation(_) => camera(out).translation += vector(0),
         Target::SensorRotation(_) => camera(out).rotation += vector(0),
         Target::SensorXFov(_) => camera(out).x_fov_deg += values[0],
-        Target::Reflectance(m) => add_colour(&mut out.reflectance[m], vector(0)),
-        Target::Radiance(l) => add_colour(&mut out.radiance[l], vector(0)),
-        Target::EnvironmentRadiance => add_colour(&mut out.environment, vector(0)),
+        Target::Texels(t) => {
+            let channels = scene.textures[t].channels;
+            let texels = out.want_texels(scene, t);
+            for (texel, value) in texels.iter_mut().zip(values.chunks_exact(channels)) {
+                for (c, number) in texel.iter_mut().enumerate() {
+                    *number += value[c.min(channels - 1)];
+                }
+            }
+        }
     }
 }
 
@@ -73,9 +79,4 @@ fn add_positions(
 
 fn camera(out: &mut SceneDifferential) -> &mut CameraDifferential {
     out.camera.get_or_insert_default()
-}
-
-fn add_colour(slot: &mut Option<Rgb>, direction: Vec3) {
-    let sum = Vec3::from(slot.unwrap_or_default()) + direction;
-    *slot = Some(sum.to_array());
 }

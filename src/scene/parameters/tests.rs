@@ -76,12 +76,17 @@ fn flat(d: &mut SceneDifferential, scene: &Scene) -> Vec<f64> {
     for vectors in all.positions.iter().chain(&all.given_normals).flatten() {
         out.extend(vectors.iter().flat_map(|v| v.to_array()).map(f64::from));
     }
-    let colours = all
-        .reflectance
-        .iter()
-        .chain(&all.radiance)
-        .chain([&all.environment]);
-    out.extend(colours.flat_map(|c| c.unwrap_or_default()).map(f64::from));
+    for t in 0..scene.textures.len() {
+        all.want_texels(scene, t);
+    }
+    out.extend(
+        all.texels
+            .iter()
+            .flatten()
+            .flatten()
+            .flatten()
+            .map(|&v| f64::from(v)),
+    );
     let camera = all.camera.unwrap_or_default();
     out.extend(camera.translation.to_array().map(f64::from));
     out.extend(camera.rotation.to_array().map(f64::from));
@@ -108,24 +113,11 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
         }
         out.extend(
             scene
-                .materials
+                .textures
                 .iter()
-                .flat_map(|m| m.reflectance)
-                .map(f64::from),
-        );
-        out.extend(
-            scene
-                .area_lights
-                .iter()
-                .flat_map(|l| l.radiance)
-                .map(f64::from),
-        );
-        out.extend(
-            scene
-                .environment
-                .iter()
-                .flat_map(|e| e.radiance)
-                .map(f64::from),
+                .flat_map(|t| &t.texels)
+                .flatten()
+                .map(|&v| f64::from(v)),
         );
         out.extend(
             scene.sensors[sensor]
@@ -246,11 +238,7 @@ fn fill(cotangent: &mut SceneDifferential, random: &mut Random) {
             *vector = glam::Vec3::from_slice(&random.values(3));
         }
     }
-    let colours = cotangent
-        .reflectance
-        .iter_mut()
-        .chain(&mut cotangent.radiance);
-    for colour in colours.chain([&mut cotangent.environment]).flatten() {
+    for colour in cotangent.texels.iter_mut().flatten().flatten() {
         *colour = [random.next(), random.next(), random.next()];
     }
     if let Some(camera) = &mut cotangent.camera {
@@ -346,10 +334,11 @@ fn setting_is_what_moving_there_gives() {
     assert_eq!(
         set("env.radiance.value", &[1.0, 2.0, 3.0])
             .unwrap()
-            .environment
+            .textures
+            .last()
             .unwrap()
-            .radiance,
-        [1.0, 2.0, 3.0]
+            .texels,
+        [[1.0, 2.0, 3.0]]
     );
     assert!(set("cam.x_fov", &[180.0]).is_err());
     assert!(set("given.scale", &[0.0]).is_err());
