@@ -3,7 +3,7 @@
 
 Needs `pip install mitsuba numpy` (made with Mitsuba 3.9.1). Usage, from anywhere:
 
-    python scripts/mitsuba_references.py                # all scenes, about 20 minutes of two cores
+    python scripts/mitsuba_references.py                # all scenes, about five minutes of two cores
     python scripts/mitsuba_references.py plastic null   # some
     python scripts/mitsuba_references.py --pictures     # scenes/materials/textures/ instead
     python scripts/mitsuba_references.py --keys         # tests/materials/keys.txt instead: names of parameters
@@ -58,7 +58,7 @@ def reference(name):
             lines.append(f"{row} {column} " + " ".join(f"{x:.6g}" for x in values))
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / f"{name}.txt").write_text("\n".join(lines) + "\n")
-    relative = error / mean
+    relative = error[mean > 0] / mean[mean > 0]
     print(f"{name}: mean {mean.mean():.4f}, error median {np.median(relative):.2%}, largest {relative.max():.2%}")
 
 
@@ -79,7 +79,7 @@ def keys():
                 text = "shape " + "x".join(str(n) for n in value.shape)
             elif not hasattr(value, "__len__"):
                 text = f"{float(value):.6g}"
-            elif len(value) > 3:
+            elif len(value) > 3 or len(value) == 0:
                 text = f"{len(value)} numbers"
             else:
                 text = ", ".join(f"{x:.6g}" for x in value)
