@@ -11,7 +11,7 @@ Needs `pip install mitsuba numpy` (made with Mitsuba 3.9.1). Usage, from anywher
 Each scene is rendered once for each of SEEDS seeds, independent of each other. A line of a file is a block of 8×8
 pixels: its row and column from the top left, the means of its r, g, b, and their standard errors, which come from the
 spread among the seeds and are hence themselves known to some 13 % (32 seeds). A block of nothing but plain sky, or
-black, has no spread and the error 0, though its mean is rounded (by up to 1e-6 of it). The first line says how it was made.
+black, has no spread and the error 0, though its mean is rounded (by up to 2e-5 of it). The first line says how it was made.
 Mitsuba's results depend a little on the machine (its vector instructions), so another run does not give the same bytes.
 """
 
