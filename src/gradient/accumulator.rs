@@ -11,20 +11,33 @@ pub struct Wanted {
     pub camera: bool,
     /// Per texture.
     pub texels: Vec<bool>,
+    /// The environment map's rotation and scale.
+    pub environment: bool,
+    pub delta_lights: bool,
+    /// Whether an index of refraction that bends rays is wanted.
+    pub bends: bool,
 }
 
 impl Wanted {
-    pub fn new(request: &SceneDifferential) -> Self {
+    pub fn new(scene: &Scene, request: &SceneDifferential) -> Self {
         Self {
             mesh: request.positions.iter().map(Option::is_some).collect(),
             camera: request.camera.is_some(),
             texels: request.texels.iter().map(Option::is_some).collect(),
+            environment: request.environment.is_some(),
+            delta_lights: request.delta_lights.iter().any(Option::is_some),
+            bends: request.bends(scene),
         }
     }
 
     /// Whether any colour is wanted.
     pub fn colours(&self) -> bool {
         self.texels.contains(&true)
+    }
+
+    /// Whether rays move with what is wanted, so that everything along a path does.
+    pub fn attached(&self) -> bool {
+        self.geometry() || self.bends
     }
 
     /// Whether any vertex or the camera is wanted.
@@ -86,6 +99,13 @@ pub struct CameraSum {
     pub tan_half_x_fov: f64,
 }
 
+/// The environment map's cotangents.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EnvironmentSum {
+    pub rotation: DVec3,
+    pub scale: f64,
+}
+
 /// Where one tile's sweep adds to. Its dense scratch is used again by the next tile.
 pub struct TileSums {
     pub positions: SparseVectors,
@@ -95,6 +115,8 @@ pub struct TileSums {
     /// The number of the first texel of each texture.
     pub first_texel: Vec<u32>,
     pub camera: CameraSum,
+    pub environment: EnvironmentSum,
+    pub delta_lights: Vec<DVec3>,
 }
 
 /// One tile's sums, ready to be added to the film's.
@@ -103,6 +125,8 @@ pub struct TileGradient {
     normals: Vec<(u32, Vec3)>,
     texels: Vec<(u32, Vec3)>,
     camera: CameraSum,
+    environment: EnvironmentSum,
+    delta_lights: Vec<DVec3>,
 }
 
 impl TileSums {
@@ -118,6 +142,8 @@ impl TileSums {
             }),
             first_texel: first_texels(scene),
             camera: CameraSum::default(),
+            environment: EnvironmentSum::default(),
+            delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
         }
     }
 
@@ -135,6 +161,11 @@ impl TileSums {
             normals: self.normals.drain(),
             texels: self.texels.drain(),
             camera: std::mem::take(&mut self.camera),
+            environment: std::mem::take(&mut self.environment),
+            delta_lights: {
+                let zeros = vec![DVec3::ZERO; self.delta_lights.len()];
+                std::mem::replace(&mut self.delta_lights, zeros)
+            },
         }
     }
 }
@@ -145,6 +176,8 @@ pub struct FilmSums {
     normals: Vec<DVec3>,
     texels: Vec<DVec3>,
     camera: CameraSum,
+    environment: EnvironmentSum,
+    delta_lights: Vec<DVec3>,
 }
 
 impl FilmSums {
@@ -162,6 +195,8 @@ impl FilmSums {
                 }
             ],
             camera: CameraSum::default(),
+            environment: EnvironmentSum::default(),
+            delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
         }
     }
 
@@ -181,6 +216,11 @@ impl FilmSums {
             *axis += value;
         }
         self.camera.tan_half_x_fov += tile.camera.tan_half_x_fov;
+        self.environment.rotation += tile.environment.rotation;
+        self.environment.scale += tile.environment.scale;
+        for (sum, value) in self.delta_lights.iter_mut().zip(&tile.delta_lights) {
+            *sum += value;
+        }
     }
 
     /// What was asked for, as the gradient of the scene.
@@ -208,6 +248,15 @@ impl FilmSums {
         for (texels, first) in gradient.texels.iter_mut().zip(first_texels(scene)) {
             for (i, texel) in texels.iter_mut().flatten().enumerate() {
                 *texel = self.texels[first as usize + i].as_vec3().to_array();
+            }
+        }
+        if let Some(environment) = &mut gradient.environment {
+            environment.rotation = self.environment.rotation.as_vec3();
+            environment.scale = self.environment.scale as f32;
+        }
+        for (slot, sum) in gradient.delta_lights.iter_mut().zip(&self.delta_lights) {
+            if slot.is_some() {
+                *slot = Some(sum.as_vec3());
             }
         }
         if gradient.camera.is_some() {

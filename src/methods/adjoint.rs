@@ -8,8 +8,9 @@ use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
 use crate::lanes::LANES;
 use crate::paths::film::{Block, gather_point, gather_row};
+use crate::paths::rays::from_lanes;
 use crate::paths::tile::TracedTile;
-use crate::paths::tracer::{Counts, from_lanes};
+use crate::paths::tracer::Counts;
 use crate::scene::{Rgb, Scene, SceneDifferential};
 use glam::Vec3;
 use std::sync::Mutex;
@@ -34,7 +35,7 @@ pub fn backward(
     check_size(&adjoint, stage.size)?;
 
     let clock = StageClock::start();
-    let wanted = Wanted::new(request);
+    let wanted = Wanted::new(scene, request);
     let tracer = stage.tracer();
     let sweep = ReverseSweep {
         tracer: &tracer,

@@ -5,6 +5,7 @@ use crate::paths::camera::Camera;
 use crate::paths::film::{Block, FilmFilter};
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
+use crate::paths::materials::MaterialTable;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
 use crate::scene::{Film, Rgb, Scene};
 use crate::trace::geometry::Geometry;
@@ -26,6 +27,7 @@ pub struct Stage<'a> {
     pub geometry: Geometry,
     pub accel: Accel,
     pub lights: Lights,
+    pub materials: MaterialTable,
     pub adjacency: Option<Adjacency>,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -107,6 +109,7 @@ impl<'a> Stage<'a> {
             geometry,
             accel,
             lights,
+            materials: MaterialTable::new(scene),
             adjacency,
             camera: Camera::new(&sensor),
             lattice,
@@ -115,6 +118,7 @@ impl<'a> Stage<'a> {
                 max_depth: settings.max_depth,
                 rr_depth: settings.rr_depth,
                 hide_emitters: settings.hide_emitters,
+                black_goes_on: false,
             },
             size: film.crop_size.map(|s| s as usize),
             groups,
@@ -131,6 +135,7 @@ impl<'a> Stage<'a> {
             geometry: &self.geometry,
             accel: &self.accel,
             lights: &self.lights,
+            materials: &self.materials,
             camera: self.camera,
             limits: self.limits,
             adjacency: self.adjacency.as_ref(),
