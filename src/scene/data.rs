@@ -158,6 +158,24 @@ pub enum Layout {
     },
 }
 
+impl Layout {
+    /// What happens to texture coordinates first, unless they do not matter.
+    pub fn to_uv(&self) -> Option<Affine2> {
+        match *self {
+            Layout::Constant => None,
+            Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn to_uv_mut(&mut self) -> Option<&mut Affine2> {
+        match self {
+            Layout::Constant => None,
+            Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
+        }
+    }
+}
+
 /// What a bitmap is outside the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
