@@ -175,7 +175,8 @@ fn lights_are_picked_by_power() {
         let mesh = &scene.meshes[light.mesh];
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-            *power += f64::from((b - a).cross(c - a).length()) / 2.0 * luminance(light.radiance);
+            *power += f64::from((b - a).cross(c - a).length()) / 2.0
+                * luminance(scene.constant(light.radiance));
         }
     }
     let total: f64 = power.iter().sum();

@@ -20,6 +20,7 @@ fuzz_target!(|bytes: &[u8]| {
                 .all(|&i| (i as usize) < vertices)
         );
         assert!(mesh.normals.is_none_or(|n| n.len() == vertices));
+        assert!(mesh.uvs.is_none_or(|u| u.len() == vertices));
         let files = Memory::new().with("s.xml", SCENE).with("m.ply", bytes);
         let _ = load_from(&files, "s.xml", &[]);
     }

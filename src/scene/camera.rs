@@ -2,11 +2,10 @@
 
 use super::data::{Film, Filter, Integrator, Sensor};
 use super::error::SceneError;
+use super::rigid::rigid;
 use super::xml::{Object, Tree};
-use glam::{DAffine3, Vec2};
+use glam::Vec2;
 
-/// As far as a transform may be from rigid: Mitsuba's tolerance on the Gram matrix.
-const RIGID_TOLERANCE: f64 = 1e-3;
 /// Film pixels in each direction: more is a typing error, and indices stay within 32 bits.
 const MAX_FILM_SIDE_PIXELS: u32 = 65_536;
 
@@ -81,7 +80,7 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
     let offset = |name| Ok::<_, SceneError>(object.float(name)?.unwrap_or(0.0) as f32);
     Ok(Sensor {
         id,
-        to_world: rigid(object)?.as_affine3a(),
+        to_world: rigid(object, "the camera's")?.as_affine3a(),
         x_fov_rad: x_fov_rad(object, f64::from(film.width) / f64::from(film.height))? as f32,
         near_clip: near_clip as f32,
         far_clip: far_clip as f32,
@@ -93,30 +92,6 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
         sample_count,
         seed,
     })
-}
-
-/// The camera-to-world transform. A scale is refused, a mirror image is not, as in Mitsuba.
-fn rigid(object: &Object) -> Result<DAffine3, SceneError> {
-    let to_world = object.transform("to_world")?;
-    let m = to_world.matrix3;
-    let gram = m * m.transpose();
-    for i in 0..3 {
-        for j in 0..3 {
-            let wanted = if i == j { 1.0 } else { 0.0 };
-            if (gram.col(i)[j] - wanted).abs() > RIGID_TOLERANCE {
-                let what = "the camera's to_world has a scale; only rotations and translations are allowed";
-                return Err(object.property_error("to_world", what));
-            }
-        }
-    }
-    // What rounding or the tolerance let through is taken out again.
-    let x = m.x_axis.normalize();
-    let y = (m.y_axis - x * x.dot(m.y_axis)).normalize();
-    let z = x.cross(y) * m.determinant().signum();
-    Ok(DAffine3::from_mat3_translation(
-        glam::DMat3::from_cols(x, y, z),
-        to_world.translation,
-    ))
 }
 
 fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {

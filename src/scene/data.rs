@@ -144,7 +144,7 @@ pub struct Texture {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layout {
     Constant,
-    /// Of texture coordinates in units of two squares.
+    /// The first texel where both coordinates, after `to_uv`, are in the same half of the unit, else the second.
     Checkerboard {
         to_uv: Affine2,
     },
@@ -156,6 +156,24 @@ pub enum Layout {
         bilinear: bool,
         to_uv: Affine2,
     },
+}
+
+impl Layout {
+    /// What happens to texture coordinates first, unless they do not matter.
+    pub fn to_uv(&self) -> Option<Affine2> {
+        match *self {
+            Layout::Constant => None,
+            Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn to_uv_mut(&mut self) -> Option<&mut Affine2> {
+        match self {
+            Layout::Constant => None,
+            Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
+        }
+    }
 }
 
 /// What a bitmap is outside the unit square.
@@ -230,6 +248,21 @@ impl Texture {
             limits: [0.0, f32::INFINITY],
         }
     }
+
+    /// Whether it varies over a surface, which then needs texture coordinates.
+    pub fn varies(&self) -> bool {
+        self.layout != Layout::Constant
+    }
+
+    /// Which texel is `color0` (or `color1`, if `number` is 1) of a checkerboard. Mitsuba exchanges the two where a
+    /// checkerboard stands for a number, such as a roughness.
+    pub fn checkerboard_texel(&self, number: usize) -> usize {
+        if self.channels == 1 {
+            1 - number
+        } else {
+            number
+        }
+    }
 }
 
 impl Bsdf {
@@ -253,41 +286,59 @@ impl Bsdf {
         }
     }
 
-    /// The textures of its slots.
-    pub fn textures(&self) -> Vec<usize> {
-        let rough = |m: Option<Microfacets>| m.map(|m| m.alpha);
-        match *self {
-            Bsdf::Diffuse { reflectance } => vec![reflectance],
+    /// The slots that hold a texture, under Mitsuba's names.
+    pub fn slots(&self) -> Vec<(&'static str, usize)> {
+        let (mut slots, microfacets) = match *self {
+            Bsdf::Diffuse { reflectance } => (vec![("reflectance", reflectance)], None),
             Bsdf::Conductor {
                 eta,
                 k,
                 specular_reflectance,
                 microfacets,
-            } => [eta, k, specular_reflectance]
-                .into_iter()
-                .chain(rough(microfacets))
-                .collect(),
+            } => (
+                vec![
+                    ("eta", eta),
+                    ("k", k),
+                    ("specular_reflectance", specular_reflectance),
+                ],
+                microfacets,
+            ),
             Bsdf::Dielectric {
                 eta,
                 specular_reflectance,
                 specular_transmittance,
                 microfacets,
-            } => [eta, specular_reflectance, specular_transmittance]
-                .into_iter()
-                .chain(rough(microfacets))
-                .collect(),
+            } => (
+                vec![
+                    ("eta", eta),
+                    ("specular_reflectance", specular_reflectance),
+                    ("specular_transmittance", specular_transmittance),
+                ],
+                microfacets,
+            ),
             Bsdf::Plastic {
                 eta,
                 diffuse_reflectance,
                 specular_reflectance,
                 microfacets,
                 ..
-            } => [eta, diffuse_reflectance, specular_reflectance]
-                .into_iter()
-                .chain(rough(microfacets))
-                .collect(),
-            Bsdf::Null => Vec::new(),
-        }
+            } => (
+                vec![
+                    ("eta", eta),
+                    ("diffuse_reflectance", diffuse_reflectance),
+                    ("specular_reflectance", specular_reflectance),
+                ],
+                microfacets,
+            ),
+            Bsdf::Null => (Vec::new(), None),
+        };
+        slots.extend(microfacets.map(|m| ("alpha", m.alpha)));
+        slots
+    }
+
+    /// The textures of its slots.
+    pub fn textures(&self) -> Vec<usize> {
+        self.slots().into_iter().map(|slot| slot.1).collect()
     }
 }
 

@@ -1,12 +1,15 @@
 //! From a scene file to a [`Scene`].
 
 use super::camera::{self, DEFAULT_INTEGRATOR};
-use super::data::{AreaLight, Environment, Scene, Texture};
+use super::data::{AreaLight, Scene};
+use super::emitter;
 use super::error::SceneError;
-use super::material::{Materials, radiance};
+use super::input::Input;
+use super::material::Materials;
 use super::names::Names;
 use super::shape;
 use super::source::{Disk, FileSource, Fnv1a};
+use super::texture::Textures;
 use super::xml::{Object, Tree, read_tree};
 use std::collections::HashSet;
 use std::path::Path;
@@ -24,7 +27,7 @@ pub fn load_from(
 ) -> Result<Scene, SceneError> {
     let mut hash = Fnv1a::default();
     let tree = read_tree(files, path.as_ref(), defines, &mut hash)?;
-    let mut loader = Loader::new(&tree, files, hash);
+    let mut loader = Loader::new(Input::new(&tree, files, hash));
     loader.everything()?;
     let root = &tree.objects[0];
     if loader.scene.sensors.is_empty() {
@@ -35,17 +38,17 @@ pub fn load_from(
     loader.warn_unread();
     let mut scene = loader.scene;
     scene.materials = loader.materials.list;
-    scene.textures = loader.materials.textures;
-    scene.hash = loader.hash.0;
+    scene.textures = loader.textures.list;
+    scene.hash = loader.input.hash.0;
     Ok(scene)
 }
 
 struct Loader<'a> {
     tree: &'a Tree,
-    files: &'a dyn FileSource,
-    hash: Fnv1a,
+    input: Input<'a>,
     scene: Scene,
     materials: Materials,
+    textures: Textures,
     names: Names,
     has_integrator: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
@@ -53,11 +56,11 @@ struct Loader<'a> {
 }
 
 impl<'a> Loader<'a> {
-    fn new(tree: &'a Tree, files: &'a dyn FileSource, hash: Fnv1a) -> Self {
+    fn new(input: Input<'a>) -> Self {
+        let tree = input.tree;
         Self {
             tree,
-            files,
-            hash,
+            input,
             scene: Scene {
                 meshes: Vec::new(),
                 materials: Vec::new(),
@@ -71,6 +74,7 @@ impl<'a> Loader<'a> {
                 hash: 0,
             },
             materials: Materials::default(),
+            textures: Textures::default(),
             names: Names::new(tree.objects.iter().filter_map(|o| o.id.as_deref())),
             has_integrator: false,
             met: HashSet::new(),
@@ -82,12 +86,12 @@ impl<'a> Loader<'a> {
         let root = &tree.objects[0];
         for child in &root.children {
             let object = &tree.objects[child.object];
-            if object.tag != "bsdf" && !self.met.insert(child.object) {
+            if !matches!(object.tag, "bsdf" | "texture") && !self.met.insert(child.object) {
                 let what = format!("{} is already part of the scene", object.shown());
                 return Err(SceneError::at(&child.place, what));
             }
             match object.tag {
-                "bsdf" => {}
+                "bsdf" | "texture" => {}
                 "integrator" => {
                     if std::mem::replace(&mut self.has_integrator, true) {
                         return Err(SceneError::at(
@@ -103,7 +107,7 @@ impl<'a> Loader<'a> {
                     self.scene.sensors.push(camera::sensor(tree, object, id)?);
                 }
                 "shape" => self.shape(object)?,
-                "emitter" => self.environment(object)?,
+                "emitter" => self.emitter(object)?,
                 _ => return Err(camera::cannot_stand_inside(child, object, root)),
             }
         }
@@ -111,66 +115,84 @@ impl<'a> Loader<'a> {
             let object = &tree.objects[child.object];
             if object.tag == "bsdf" {
                 let key = self.names.of(object);
-                self.materials.unused(tree, child.object, &key)?;
+                self.materials
+                    .unused(&mut self.input, &mut self.textures, child.object, &key)?;
+            }
+        }
+        for child in &root.children {
+            let object = &tree.objects[child.object];
+            if object.tag == "texture" {
+                let key = self.names.of(object);
+                self.textures.unused(&mut self.input, child.object, &key)?;
             }
         }
         Ok(())
     }
 
-    fn shape(&mut self, object: &Object) -> Result<(), SceneError> {
-        let tree = self.tree;
+    fn shape(&mut self, object: &'a Object) -> Result<(), SceneError> {
         let id = self.names.of(object);
-        let mut shape = shape::shape(tree, object, self.files, &mut self.hash)?;
-        self.scene.warnings.append(&mut shape.remarks);
-        let mesh_index = self.scene.meshes.len();
+        let parts = shape::parts(self.tree, object)?;
         let bsdf_key = format!("{id}.bsdf");
-        shape.mesh.material = match shape.bsdf {
-            Some(child) => self.materials.bsdf(tree, child.object, &bsdf_key)?,
-            None => self
-                .materials
-                .add_default(&bsdf_key, shape.emitter.is_some()),
+        let material = match parts.bsdf {
+            Some(child) => {
+                self.materials
+                    .bsdf(&mut self.input, &mut self.textures, child.object, &bsdf_key)?
+            }
+            None => {
+                let emits = parts.emitter.is_some();
+                self.materials
+                    .add_default(&mut self.textures, &bsdf_key, emits)
+            }
         };
-        if let Some(child) = shape.emitter {
+        let mut textures = self.materials.list[material].bsdf.textures();
+        let mut area_light = None;
+        if let Some(child) = parts.emitter {
             if !self.met.insert(child.object) {
                 let what = "an area emitter belongs to one shape only";
                 return Err(SceneError::at(&child.place, what));
             }
-            shape.mesh.area_light = Some(self.scene.area_lights.len());
             let key = format!("{id}.emitter");
-            let radiance = Texture::constant(
-                format!("{key}.radiance"),
-                radiance(tree, &tree.objects[child.object])?,
-            );
+            let radiance = emitter::area(&mut self.input, &mut self.textures, child.object, &key)?;
+            textures.push(radiance);
+            area_light = Some(self.scene.area_lights.len());
             self.scene.area_lights.push(AreaLight {
-                mesh: mesh_index,
-                radiance: self.materials.texture(radiance),
+                mesh: self.scene.meshes.len(),
+                radiance,
                 key,
             });
         }
-        shape.mesh.id = id;
-        self.scene.meshes.push(shape.mesh);
+        let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
+        let (mut mesh, mut remarks) = shape::mesh(&mut self.input, object, is_textured)?;
+        mesh.id = id;
+        mesh.material = material;
+        mesh.area_light = area_light;
+        self.scene.warnings.append(&mut remarks);
+        self.scene.meshes.push(mesh);
         Ok(())
     }
 
-    fn environment(&mut self, object: &Object) -> Result<(), SceneError> {
-        if object.plugin == "area" {
+    /// An emitter that stands in the scene itself.
+    fn emitter(&mut self, object: &'a Object) -> Result<(), SceneError> {
+        let (input, textures) = (&mut self.input, &mut self.textures);
+        match object.plugin.as_str() {
             // It may stand in the scene for shapes that reference it; in itself it lights nothing.
-            let what = "an area emitter stands inside the shape that emits";
-            return Err(object.error(what));
+            "area" => Err(object.error("an area emitter stands inside the shape that emits")),
+            "point" | "directional" => {
+                let key = self.names.of(object);
+                let light = emitter::delta_light(input, textures, object, key)?;
+                self.scene.delta_lights.push(light);
+                Ok(())
+            }
+            _ if self.scene.environment.is_some() => {
+                Err(object.error("a scene has only one environment emitter; this is a second one"))
+            }
+            _ => {
+                let key = self.names.of(object);
+                let environment = emitter::environment(input, textures, object, key)?;
+                self.scene.environment = Some(environment);
+                Ok(())
+            }
         }
-        if self.scene.environment.is_some() {
-            return Err(
-                object.error("a scene has only one environment emitter; this is a second one")
-            );
-        }
-        let key = self.names.of(object);
-        let radiance = Texture::constant(format!("{key}.radiance"), radiance(self.tree, object)?);
-        self.scene.environment = Some(Environment {
-            key,
-            radiance: self.materials.texture(radiance),
-            map: None,
-        });
-        Ok(())
     }
 
     /// Warns of what the file says and nobody asked for.
@@ -218,7 +240,13 @@ fn properties_of(object: &Object) -> &'static [&'static str] {
         ("sampler", _) => &["sample_count", "seed"],
         ("rfilter", "tent") => &["radius"],
         ("rfilter", "gaussian") => &["stddev"],
-        ("shape", "ply" | "obj") => &["filename", "face_normals", "flip_normals", "to_world"],
+        ("shape", "ply" | "obj") => &[
+            "filename",
+            "face_normals",
+            "flip_normals",
+            "flip_tex_coords",
+            "to_world",
+        ],
         ("shape", "sphere") => &[
             "center",
             "radius",
@@ -228,6 +256,47 @@ fn properties_of(object: &Object) -> &'static [&'static str] {
         ],
         ("shape", _) => &["flip_normals", "to_world"],
         ("bsdf", "diffuse") => &["reflectance"],
+        ("bsdf", "conductor") => &["material", "eta", "k", "specular_reflectance"],
+        ("bsdf", "roughconductor") => &[
+            "material",
+            "eta",
+            "k",
+            "specular_reflectance",
+            "distribution",
+            "alpha",
+            "alpha_u",
+            "alpha_v",
+        ],
+        ("bsdf", "dielectric") => &[
+            "int_ior",
+            "ext_ior",
+            "specular_reflectance",
+            "specular_transmittance",
+        ],
+        ("bsdf", "roughdielectric") => &[
+            "int_ior",
+            "ext_ior",
+            "specular_reflectance",
+            "specular_transmittance",
+            "distribution",
+            "alpha",
+            "alpha_u",
+            "alpha_v",
+        ],
+        ("bsdf", "plastic" | "roughplastic") => &[
+            "int_ior",
+            "ext_ior",
+            "diffuse_reflectance",
+            "specular_reflectance",
+            "nonlinear",
+            "distribution",
+            "alpha",
+        ],
+        ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
+        ("texture", _) => &["color0", "color1", "to_uv"],
+        ("emitter", "envmap") => &["filename", "scale", "to_world"],
+        ("emitter", "point") => &["position", "intensity", "to_world"],
+        ("emitter", "directional") => &["direction", "irradiance", "to_world"],
         ("emitter", _) => &["radiance"],
         _ => &[],
     }

@@ -3,7 +3,9 @@
 mod camera;
 pub mod data;
 pub mod differential;
+mod emitter;
 pub mod error;
+mod input;
 pub mod iors;
 mod load;
 mod material;
@@ -12,8 +14,10 @@ pub mod metals;
 mod names;
 mod nearest;
 pub mod parameters;
+mod rigid;
 mod shape;
 pub mod source;
+mod texture;
 pub mod vertex_normals;
 mod xml;
 

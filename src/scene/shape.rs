@@ -3,28 +3,19 @@
 use super::camera::cannot_stand_inside;
 use super::data::Mesh;
 use super::error::{Place, SceneError};
+use super::input::Input;
 use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives};
-use super::source::{FileSource, Fnv1a, read_file};
 use super::xml::{Child, Object, Tree};
 use glam::DAffine3;
-use std::path::Path;
 
-/// What a scene file says of one shape.
-pub(super) struct Shape<'a> {
-    /// Without id, material and light.
-    pub mesh: Mesh,
+/// What hangs on a shape.
+pub(super) struct Parts<'a> {
     pub bsdf: Option<&'a Child>,
     pub emitter: Option<&'a Child>,
-    pub remarks: Vec<String>,
 }
 
-/// Loads the shape and its mesh file.
-pub(super) fn shape<'a>(
-    tree: &Tree,
-    object: &'a Object,
-    files: &dyn FileSource,
-    hash: &mut Fnv1a,
-) -> Result<Shape<'a>, SceneError> {
+/// Finds the shape's bsdf and area emitter.
+pub(super) fn parts<'a>(tree: &Tree, object: &'a Object) -> Result<Parts<'a>, SceneError> {
     let mut bsdf = None;
     let mut emitter = None;
     for child in &object.children {
@@ -39,31 +30,48 @@ pub(super) fn shape<'a>(
             return Err(SceneError::at(&child.place, what));
         }
     }
+    Ok(Parts { bsdf, emitter })
+}
+
+/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that `is_textured` pays for texture
+/// coordinates with vertices split along seams.
+pub(super) fn mesh(
+    input: &mut Input,
+    object: &Object,
+    is_textured: bool,
+) -> Result<(Mesh, Vec<String>), SceneError> {
     let mut remarks = Vec::new();
+    let plugin = object.plugin.as_str();
+    let is_file = matches!(plugin, "ply" | "obj");
     let placement = Placement {
         to_world: to_world(object)?,
         flip_normals: object.boolean("flip_normals", false)?,
         face_normals: object.boolean("face_normals", false)?,
-        smooth: !matches!(object.plugin.as_str(), "rectangle" | "cube"),
+        // Mitsuba's defaults: v counts downwards in most OBJ files.
+        flip_tex_coords: is_file && object.boolean("flip_tex_coords", plugin == "obj")?,
+        smooth: !matches!(plugin, "rectangle" | "cube"),
     };
-    let (raw, file) = match object.plugin.as_str() {
+    let (raw, file) = match plugin {
         "rectangle" => (primitives::rectangle(), None),
+        "cube" if is_textured => (primitives::cube_of_six_sides(), None),
         "cube" => (primitives::cube(), None),
         "sphere" => {
-            let mesh = primitives::sphere(primitives::SPHERE_SUBDIVISIONS);
+            let (mesh, how) = sphere(is_textured);
             remarks.push(format!(
-                "{}: the sphere is tessellated: an icosahedron subdivided {} times, {} triangles",
-                object.place,
-                primitives::SPHERE_SUBDIVISIONS,
-                mesh.triangles.len()
+                "{}: the sphere is tessellated: {how}",
+                object.place
             ));
             (mesh, None)
         }
         _ => {
-            let (mesh, file) = mesh_file(tree, object, files, hash, placement.face_normals)?;
+            let (mesh, file) = mesh_file(input, object, placement.face_normals, is_textured)?;
             (mesh, Some(file))
         }
     };
+    if is_textured && raw.uvs.is_none() {
+        let what = "the material or light of this shape has a texture, but its mesh has no texture coordinates";
+        return Err(object.property_error("filename", what));
+    }
     let name = file.clone().unwrap_or_else(|| object.place.to_string());
     let (mesh, remark) = finish(raw, &placement).map_err(|e| match file {
         // Formulas have nothing wrong in themselves: it is the transform.
@@ -71,12 +79,27 @@ pub(super) fn shape<'a>(
         Some(file) => mesh_error(file, e, &object.place),
     })?;
     remarks.extend(remark.map(|r| format!("{name}: {r}")));
-    Ok(Shape {
-        mesh,
-        bsdf,
-        emitter,
-        remarks,
-    })
+    Ok((mesh, remarks))
+}
+
+/// The unit sphere, and how it is made.
+fn sphere(is_textured: bool) -> (RawMesh, String) {
+    if is_textured {
+        let mesh = primitives::globe(primitives::GLOBE_RINGS);
+        let how = format!(
+            "{} rings of latitude, {} triangles",
+            primitives::GLOBE_RINGS,
+            mesh.triangles.len()
+        );
+        return (mesh, how);
+    }
+    let mesh = primitives::sphere(primitives::SPHERE_SUBDIVISIONS);
+    let how = format!(
+        "an icosahedron subdivided {} times, {} triangles",
+        primitives::SPHERE_SUBDIVISIONS,
+        mesh.triangles.len()
+    );
+    (mesh, how)
 }
 
 /// `to_world`, for a sphere after its radius and centre.
@@ -93,47 +116,27 @@ fn to_world(object: &Object) -> Result<DAffine3, SceneError> {
 }
 
 fn mesh_file(
-    tree: &Tree,
+    input: &mut Input,
     object: &Object,
-    files: &dyn FileSource,
-    hash: &mut Fnv1a,
     face_normals: bool,
+    is_textured: bool,
 ) -> Result<(RawMesh, String), SceneError> {
-    let Some(name) = object.string("filename")? else {
-        let what = format!(
-            "{} has no \"filename\"; give <string name=\"filename\" value=\"….{}\"/>",
-            object.shown(),
-            object.plugin
-        );
-        return Err(object.error(what));
-    };
-    let path = tree
-        .find_file(files, &object.folder, &name)
-        .map_err(|what| object.property_error("filename", what))?;
-    let bytes = read_mesh_bytes(object, files, &path)?;
-    hash.write(&bytes);
+    let named = input.named_file(object, &object.plugin)?;
     let parsed = match object.plugin.as_str() {
-        "ply" => ply::parse(&bytes),
-        _ => obj::parse(&bytes, face_normals),
+        "ply" => ply::parse(&named.bytes),
+        _ => {
+            let reads = obj::Reads {
+                normals: !face_normals,
+                uvs: is_textured,
+            };
+            obj::parse(&named.bytes, reads)
+        }
     };
-    // Texture coordinates are not read, so neither is their orientation: no warning for it.
-    object.property("flip_tex_coords");
-    let file = path.display().to_string();
+    let file = named.path.display().to_string();
     match parsed {
         Ok(mesh) => Ok((mesh, file)),
         Err(e) => Err(mesh_error(file, e, &object.place)),
     }
-}
-
-fn read_mesh_bytes(
-    object: &Object,
-    files: &dyn FileSource,
-    path: &Path,
-) -> Result<Vec<u8>, SceneError> {
-    read_file(files, path).map_err(|error| match error {
-        SceneError::Missing { what } => object.property_error("filename", what),
-        other => other,
-    })
 }
 
 fn mesh_error(file: String, error: MeshError, used_at: &Place) -> SceneError {

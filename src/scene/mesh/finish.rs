@@ -10,6 +10,8 @@ pub(in crate::scene) struct Placement {
     pub to_world: DAffine3,
     pub flip_normals: bool,
     pub face_normals: bool,
+    /// v becomes 1 − v.
+    pub flip_tex_coords: bool,
     /// Without `face_normals`, and without normals in the file: smooth or flat.
     pub smooth: bool,
 }
@@ -80,10 +82,17 @@ pub(in crate::scene) fn finish(
         let s = if dropped == 1 { "" } else { "s" };
         format!("dropped {dropped} face{s} without area (of {all})")
     });
+    let mut uvs = raw.uvs.unwrap_or_default();
+    if placement.flip_tex_coords {
+        for uv in &mut uvs {
+            uv.y = 1.0 - uv.y;
+        }
+    }
     let mesh = Mesh {
         positions,
         triangles,
         normals,
+        uvs,
         ..Mesh::default()
     };
     Ok((mesh, remark))

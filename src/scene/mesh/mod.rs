@@ -8,7 +8,7 @@ pub(super) mod primitives;
 
 pub(super) use finish::{Placement, finish};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A mesh as its file has it, in object space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +19,8 @@ pub struct RawMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One a vertex, of any length, if the file has them.
     pub normals: Option<Vec<Vec3>>,
+    /// One a vertex and finite, if the file has them: as they are written, not flipped.
+    pub uvs: Option<Vec<Vec2>>,
 }
 
 /// What is wrong with a mesh file, without the file's name.

@@ -1,8 +1,8 @@
 //! PLY files: ASCII and binary of either byte order.
 
-use super::ply_record::{CORNER_LISTS, Record, Words};
+use super::ply_record::{CORNER_LISTS, Record, UV_PAIRS, Words};
 use super::{MeshError, RawMesh, fan};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use std::io::ErrorKind;
@@ -148,6 +148,8 @@ fn record_error(error: &ParseError, element: &ElementDef, index: usize) -> MeshE
 struct MeshBuilder {
     mesh: RawMesh,
     has_normals: bool,
+    /// Which of [`UV_PAIRS`] the file has.
+    uv_pair: Option<usize>,
     /// Largest corner index so far with its face: vertices may come after faces.
     largest_corner: Option<(u32, usize)>,
 }
@@ -177,6 +179,9 @@ impl MeshBuilder {
         Ok(Self {
             mesh: RawMesh::default(),
             has_normals: ["nx", "ny", "nz"].into_iter().all(is_number),
+            uv_pair: UV_PAIRS
+                .iter()
+                .position(|pair| pair.iter().all(|name| is_number(name))),
             largest_corner: None,
         })
     }
@@ -207,6 +212,16 @@ impl MeshBuilder {
                 ));
             }
             self.mesh.normals.get_or_insert_default().push(normal);
+        }
+        if let Some(pair) = self.uv_pair {
+            let uv = Vec2::from(record.uvs[pair]);
+            if !uv.is_finite() {
+                return Err(MeshError::new(
+                    format!(", vertex {index}"),
+                    "the texture coordinates are not finite",
+                ));
+            }
+            self.mesh.uvs.get_or_insert_default().push(uv);
         }
         Ok(())
     }

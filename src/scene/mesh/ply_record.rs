@@ -9,11 +9,16 @@ use ply_rs_bw::ply::{
 /// Names under which files keep the corners of their faces.
 pub(super) const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
+/// Names of the two texture coordinates; the first pair that a file has counts, as in Mitsuba.
+pub(super) const UV_PAIRS: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
+
 /// One vertex, face, or anything else: what of it a mesh needs.
 #[derive(Default)]
 pub(super) struct Record {
     pub position: [f32; 3],
     pub normal: [f32; 3],
+    /// By [`UV_PAIRS`].
+    pub uvs: [[f32; 2]; 3],
     /// Corners of a face. Two kinds, because the parser fills a vector of the type the file has.
     pub signed_corners: Vec<i32>,
     pub corners: Vec<u32>,
@@ -29,7 +34,14 @@ impl Record {
             "nx" => self.normal[0] = value,
             "ny" => self.normal[1] = value,
             "nz" => self.normal[2] = value,
-            _ => return PropertyAccessResult::Ignored,
+            _ => {
+                let pairs = UV_PAIRS.iter().zip(&mut self.uvs);
+                let mut slots = pairs.flat_map(|(names, pair)| names.iter().zip(pair));
+                match slots.find(|(n, _)| **n == name) {
+                    Some((_, slot)) => *slot = value,
+                    None => return PropertyAccessResult::Ignored,
+                }
+            }
         }
         PropertyAccessResult::Set
     }

@@ -1,11 +1,14 @@
 //! Shapes that are formulas in Mitsuba and triangle meshes here.
 
 use super::RawMesh;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
 /// Times that each triangle of the icosahedron is cut into four: 20·4⁵ = 20480 triangles.
 pub(in crate::scene) const SPHERE_SUBDIVISIONS: u32 = 5;
+
+/// Rings of latitude of a sphere with texture coordinates; twice as many sectors: 20448 triangles.
+pub(in crate::scene) const GLOBE_RINGS: u32 = 72;
 
 /// The square (−1,−1,0)…(1,1,0), facing +z.
 pub(in crate::scene) fn rectangle() -> RawMesh {
@@ -18,7 +21,12 @@ pub(in crate::scene) fn rectangle() -> RawMesh {
             corner(1.0, 1.0),
         ],
         triangles: vec![[0, 1, 3], [0, 3, 2]],
-        normals: None,
+        uvs: Some(
+            [0, 1, 2, 3]
+                .map(|i| Vec2::new((i & 1) as f32, (i >> 1) as f32))
+                .to_vec(),
+        ),
+        ..RawMesh::default()
     }
 }
 
@@ -39,8 +47,85 @@ pub(in crate::scene) fn cube() -> RawMesh {
     RawMesh {
         positions: (0..8).map(corner).collect(),
         triangles,
-        normals: None,
+        ..RawMesh::default()
     }
+}
+
+/// The cube with four corners a side, each side mapped onto the unit square as Mitsuba does.
+pub(in crate::scene) fn cube_of_six_sides() -> RawMesh {
+    let shared = cube();
+    let mut mesh = RawMesh::default();
+    let mut uvs = Vec::with_capacity(24);
+    for side in shared.triangles.chunks_exact(2) {
+        // A fan of two triangles: 0, 1, 2 and 0, 2, 3.
+        let corners = [side[0][0], side[0][1], side[0][2], side[1][2]];
+        let corners = corners.map(|i| shared.positions[i as usize]);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let first = mesh.positions.len() as u32;
+        mesh.triangles
+            .extend(super::fan(&[0, 1, 2, 3].map(|i| first + i)));
+        mesh.positions.extend(corners);
+        uvs.extend(corners.map(|p| (side_uv(p, normal) + 1.0) / 2.0));
+    }
+    mesh.uvs = Some(uvs);
+    mesh
+}
+
+/// Mitsuba's axes on the side of the cube that faces along `normal`, from −1 to 1.
+fn side_uv(p: Vec3, normal: Vec3) -> Vec2 {
+    match normal.abs().max_position() {
+        0 if normal.x > 0.0 => Vec2::new(p.y, -p.z),
+        0 => Vec2::new(p.y, p.z),
+        1 if normal.y > 0.0 => Vec2::new(-p.x, -p.z),
+        1 => Vec2::new(p.z, p.x),
+        _ if normal.z > 0.0 => Vec2::new(p.y, p.x),
+        _ => Vec2::new(-p.y, p.x),
+    }
+}
+
+/// The unit sphere by latitude and longitude with Mitsuba's texture coordinates: u the longitude about z from +x over its
+/// full turn, v the angle from +z over half a turn. Split along u = 0, and at the poles, where u has no value. Its normals
+/// are exact, so that the seam does not show.
+pub(in crate::scene) fn globe(rings: u32) -> RawMesh {
+    use std::f64::consts::{PI, TAU};
+    let sectors = 2 * rings;
+    let mut mesh = RawMesh::default();
+    let mut uvs = Vec::new();
+    for ring in 0..=rings {
+        let v = f64::from(ring) / f64::from(rings);
+        let is_pole = ring == 0 || ring == rings;
+        for sector in 0..=sectors {
+            // At the poles each triangle has a vertex of its own, half-way between the two others.
+            let u = (f64::from(sector) + if is_pole { 0.5 } else { 0.0 }) / f64::from(sectors);
+            // The last meridian is the first, to the bit.
+            let longitude = TAU * f64::from(sector % sectors) / f64::from(sectors);
+            let (sin, cos) = if is_pole {
+                (0.0, 1.0 - 2.0 * v)
+            } else {
+                (v * PI).sin_cos()
+            };
+            let point = DVec3::new(sin * longitude.cos(), sin * longitude.sin(), cos);
+            mesh.positions.push(point.as_vec3() + 0.0);
+            uvs.push(Vec2::new(u as f32, v as f32));
+        }
+    }
+    for ring in 0..rings {
+        for sector in 0..sectors {
+            let above = ring * (sectors + 1) + sector;
+            let below = above + sectors + 1;
+            if ring + 1 < rings {
+                mesh.triangles.push([above, below, below + 1]);
+            } else {
+                mesh.triangles.push([above, below, above + 1]);
+            }
+            if ring > 0 && ring + 1 < rings {
+                mesh.triangles.push([above, below + 1, above + 1]);
+            }
+        }
+    }
+    mesh.normals = Some(mesh.positions.clone());
+    mesh.uvs = Some(uvs);
+    mesh
 }
 
 /// The unit sphere: an icosahedron whose triangles are cut in four, all vertices on the sphere.
@@ -80,7 +165,7 @@ pub(in crate::scene) fn sphere(subdivisions: u32) -> RawMesh {
     RawMesh {
         positions: points.iter().map(|p| p.as_vec3()).collect(),
         triangles,
-        normals: None,
+        ..RawMesh::default()
     }
 }
 
@@ -116,6 +201,31 @@ mod tests {
             .map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))
             .sum();
         six / 6.0
+    }
+
+    #[test]
+    fn textured_shapes_are_the_same_and_hold_mitsubas_coordinates() {
+        assert!((volume(&cube_of_six_sides()) - 8.0).abs() < 1e-6);
+        let ball = globe(64);
+        let exact = 4.0 / 3.0 * std::f64::consts::PI;
+        assert!((volume(&ball) / exact - 1.0).abs() < 0.01);
+        let uvs = ball.uvs.unwrap();
+        for triangle in &ball.triangles {
+            let u = triangle.map(|i| uvs[i as usize].x);
+            let width = u.into_iter().fold(0.0, f32::max) - u.into_iter().fold(1.0, f32::min);
+            assert!(width < 0.01, "a triangle crosses the seam: {u:?}");
+            let [a, b, c] = triangle.map(|i| ball.positions[i as usize]);
+            assert!((b - a).cross(c - a).length() > 0.0);
+        }
+        for (p, uv) in ball.positions.iter().zip(&uvs) {
+            let (phi, theta) = (uv.x * std::f32::consts::TAU, uv.y * std::f32::consts::PI);
+            let expected = Vec3::new(
+                phi.cos() * theta.sin(),
+                phi.sin() * theta.sin(),
+                theta.cos(),
+            );
+            assert!((*p - expected).length() < 1e-5, "{p} {expected}");
+        }
     }
 
     #[test]

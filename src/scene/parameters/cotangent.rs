@@ -28,8 +28,17 @@ pub fn wanted(
             Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
                 out.camera.get_or_insert_default();
             }
-            Target::Texels(t) => {
+            Target::Texels(t) | Target::Texel { texture: t, .. } => {
                 out.want_texels(scene, t);
+            }
+            Target::ToUv(t) => {
+                out.to_uv[t].get_or_insert_default();
+            }
+            Target::EnvironmentScale | Target::EnvironmentRotation => {
+                out.environment.get_or_insert_default();
+            }
+            Target::DeltaLightPosition(i) | Target::DeltaLightTranslation(i) => {
+                out.delta_lights[i].get_or_insert_default();
             }
         }
     }
@@ -71,14 +80,41 @@ pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferentia
         Target::SensorRotation(_) => camera.rotation.to_array().to_vec(),
         Target::SensorXFov(_) => vec![camera.x_fov_deg],
         Target::Texels(t) => match &cotangent.texels[t] {
-            // One channel is held three times: it moves all of them.
-            Some(texels) if scene.textures[t].channels == 1 => {
-                texels.iter().map(|c| c.iter().sum()).collect()
+            Some(texels) => {
+                let channels = scene.textures[t].channels;
+                texels
+                    .iter()
+                    .flat_map(|c| of_channels(*c, channels))
+                    .collect()
             }
-            Some(texels) => texels.iter().flatten().copied().collect(),
             None => vec![0.0; parameter.len()],
         },
+        Target::Texel { texture, texel } => {
+            let bar = cotangent.texels[texture].as_ref();
+            let bar = bar.map_or([0.0; 3], |texels| texels[texel]);
+            of_channels(bar, scene.textures[texture].channels).collect()
+        }
+        Target::ToUv(t) => cotangent.to_uv[t].unwrap_or_default().to_vec(),
+        Target::EnvironmentScale => vec![cotangent.environment.unwrap_or_default().scale],
+        Target::EnvironmentRotation => {
+            let environment = cotangent.environment.unwrap_or_default();
+            environment.rotation.to_array().to_vec()
+        }
+        Target::DeltaLightPosition(i) | Target::DeltaLightTranslation(i) => cotangent.delta_lights
+            [i]
+            .unwrap_or_default()
+            .to_array()
+            .to_vec(),
     }
+}
+
+/// One channel is held three times, and moves all of them.
+fn of_channels(bar: [f32; 3], channels: usize) -> impl Iterator<Item = f32> {
+    let bar = match channels {
+        1 => [bar.iter().sum(), 0.0, 0.0],
+        _ => bar,
+    };
+    bar.into_iter().take(channels)
 }
 
 /// Position and its cotangent.

@@ -1,5 +1,6 @@
 //! All keys of a scene, with what they stand for.
 
+use super::surfaces::{self, Slots};
 use super::{Target, Value};
 use crate::scene::data::{Normals, Scene, Sensor};
 
@@ -11,6 +12,8 @@ pub(super) struct Entry {
     pub target: Option<Target>,
     /// Of parameters without a target.
     fixed: Fixed,
+    /// Why there is no target, if more can be said than that there is none.
+    pub refusal: Option<&'static str>,
 }
 
 /// Listed, but not differentiable.
@@ -18,17 +21,19 @@ enum Fixed {
     None,
     Faces(usize),
     Normals(usize),
+    Uvs(usize),
     Numbers(Vec<f64>),
 }
 
 impl Entry {
-    fn of(key: String, shape: &[usize], target: Target) -> Self {
+    pub fn of(key: String, shape: &[usize], target: Target) -> Self {
         Self {
             key,
             aliases: Vec::new(),
             shape: shape.to_vec(),
             target: Some(target),
             fixed: Fixed::None,
+            refusal: None,
         }
     }
 
@@ -39,12 +44,13 @@ impl Entry {
             shape: shape.to_vec(),
             target: None,
             fixed,
+            refusal: None,
         }
     }
 
-    fn numbers(key: String, numbers: Vec<f64>) -> Self {
-        let shape = [numbers.len()];
-        Self::fixed(key, &shape, Fixed::Numbers(numbers))
+    /// Numbers that cannot be differentiated.
+    pub fn numbers(key: String, shape: &[usize], numbers: Vec<f64>) -> Self {
+        Self::fixed(key, shape, Fixed::Numbers(numbers))
     }
 
     /// What the parameter is now.
@@ -59,27 +65,30 @@ impl Entry {
                 Target::ShapeTranslation(_)
                 | Target::ShapeRotation(_)
                 | Target::SensorTranslation(_)
-                | Target::SensorRotation(_),
+                | Target::SensorRotation(_)
+                | Target::EnvironmentRotation
+                | Target::DeltaLightTranslation(_),
             ) => Value::Numbers(vec![0.0; 3]),
             Some(Target::SensorXFov(s)) => {
                 Value::Numbers(vec![f64::from(scene.sensors[s].x_fov_rad).to_degrees()])
             }
-            Some(Target::Texels(t)) => {
-                let texture = &scene.textures[t];
-                let all = texture.texels.iter();
-                let numbers = all.flat_map(|c| c[..texture.channels].iter().map(|&v| f64::from(v)));
-                if texture.texels.len() == 1 {
-                    Value::Numbers(numbers.collect())
-                } else {
-                    range(numbers)
-                }
-            }
+            Some(
+                target @ (Target::Texels(_)
+                | Target::Texel { .. }
+                | Target::ToUv(_)
+                | Target::EnvironmentScale
+                | Target::DeltaLightPosition(_)),
+            ) => surfaces::value(scene, target),
             None => match &self.fixed {
                 Fixed::None => Value::Numbers(Vec::new()),
                 Fixed::Numbers(numbers) => Value::Numbers(numbers.clone()),
                 Fixed::Faces(m) => {
                     let all = scene.meshes[*m].triangles.iter().flatten();
                     range(all.map(|&i| f64::from(i)))
+                }
+                Fixed::Uvs(m) => {
+                    let all = scene.meshes[*m].uvs.iter().flat_map(|uv| uv.to_array());
+                    range(all.map(f64::from))
                 }
                 Fixed::Normals(m) => {
                     let all = scene.meshes[*m].normals.vertex().unwrap_or_default();
@@ -90,19 +99,18 @@ impl Entry {
     }
 }
 
-fn range(values: impl Iterator<Item = f64>) -> Value {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Value {
     let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| {
         (min.min(v), max.max(v))
     });
     Value::Range { min, max }
 }
 
-/// Every key: shape by shape with the material and light that only it has, then shared materials, the
-/// environment, the sensors.
+/// Every key: shape by shape with the material and light that only it has, then shared materials, other textures and
+/// lights, the environment, the sensors.
 pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
     let mut out = Vec::new();
-    let users = material_users(scene);
-    let mut listed = vec![false; scene.materials.len()];
+    let mut slots = Slots::new(scene);
     for (m, mesh) in scene.meshes.iter().enumerate() {
         let id = &mesh.id;
         let vertices = [mesh.positions.len(), 3];
@@ -113,29 +121,19 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         );
         positions.aliases.push(format!("{id}.positions"));
         out.push(positions);
-        let own = format!("{id}.bsdf");
-        if scene.materials[mesh.material].key == own && !listed[mesh.material] {
-            listed[mesh.material] = true;
-            out.extend(material(scene, mesh.material, &users));
+        if scene.materials[mesh.material].key == format!("{id}.bsdf") {
+            slots.material(mesh.material, &mut out);
         }
         if let Some(l) = mesh.area_light {
-            out.push(texels(scene, scene.area_lights[l].radiance));
+            slots.texture(scene.area_lights[l].radiance, &mut out);
         }
-        out.push(Entry::of(
-            format!("{id}.translation"),
-            &[3],
-            Target::ShapeTranslation(m),
-        ));
-        out.push(Entry::of(
-            format!("{id}.rotation"),
-            &[3],
-            Target::ShapeRotation(m),
-        ));
-        out.push(Entry::of(
-            format!("{id}.scale"),
-            &[1],
-            Target::ShapeScale(m),
-        ));
+        for (name, count, target) in [
+            ("translation", 3, Target::ShapeTranslation(m)),
+            ("rotation", 3, Target::ShapeRotation(m)),
+            ("scale", 1, Target::ShapeScale(m)),
+        ] {
+            out.push(Entry::of(format!("{id}.{name}"), &[count], target));
+        }
         let faces = [mesh.triangles.len(), 3];
         out.push(Entry::fixed(format!("{id}.faces"), &faces, Fixed::Faces(m)));
         if !matches!(mesh.normals, Normals::Flat) {
@@ -145,57 +143,29 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
                 Fixed::Normals(m),
             ));
         }
+        if !mesh.uvs.is_empty() {
+            let coordinates = [mesh.uvs.len(), 2];
+            out.push(Entry::fixed(
+                format!("{id}.vertex_texcoords"),
+                &coordinates,
+                Fixed::Uvs(m),
+            ));
+        }
     }
-    for m in (0..scene.materials.len()).filter(|&m| !listed[m]) {
-        out.extend(material(scene, m, &users));
+    for m in 0..scene.materials.len() {
+        slots.material(m, &mut out);
     }
-    if let Some(environment) = &scene.environment {
-        out.push(texels(scene, environment.radiance));
+    for light in 0..scene.delta_lights.len() {
+        slots.delta_light(light, &mut out);
+    }
+    slots.environment(&mut out);
+    for t in 0..scene.textures.len() {
+        slots.texture(t, &mut out);
     }
     for (s, sensor) in scene.sensors.iter().enumerate() {
         sensor_entries(s, sensor, &mut out);
     }
     out
-}
-
-/// The ids of the shapes of each material.
-fn material_users(scene: &Scene) -> Vec<Vec<&str>> {
-    let mut users = vec![Vec::new(); scene.materials.len()];
-    for mesh in &scene.meshes {
-        users[mesh.material].push(mesh.id.as_str());
-    }
-    users
-}
-
-/// The values of a texture.
-fn texels(scene: &Scene, t: usize) -> Entry {
-    let texture = &scene.textures[t];
-    let key = format!("{}.value", texture.key);
-    Entry::of(key, &[texture.channels], Target::Texels(t))
-}
-
-fn material(scene: &Scene, m: usize, users: &[Vec<&str>]) -> Vec<Entry> {
-    let material = &scene.materials[m];
-    let textures = material.bsdf.textures().into_iter();
-    textures
-        .map(|t| {
-            let mut entry = texels(scene, t);
-            let slot = entry.key[material.key.len()..].to_string();
-            // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings are taken for both kinds.
-            let bare = slot.strip_prefix(".brdf_0").unwrap_or(&slot).to_string();
-            let spellings = [format!(".brdf_0{bare}"), bare];
-            let ids = users[m].iter().map(|id| format!("{id}.bsdf"));
-            for owner in std::iter::once(material.key.clone()).chain(ids) {
-                for slot in &spellings {
-                    let alias = format!("{owner}{slot}");
-                    if alias != entry.key && !entry.aliases.contains(&alias) {
-                        entry.aliases.push(alias);
-                    }
-                }
-            }
-            entry
-        })
-        .collect()
 }
 
 fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
@@ -234,8 +204,8 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         ("film.crop_offset", film.crop_offset.map(f64::from).to_vec()),
     ];
     for (name, numbers) in fixed {
-        out.push(Entry::numbers(format!("{id}.{name}"), numbers));
+        let shape = [numbers.len()];
+        out.push(Entry::numbers(format!("{id}.{name}"), &shape, numbers));
     }
-    let to_world = Fixed::Numbers(rows);
-    out.push(Entry::fixed(format!("{id}.to_world"), &[4, 4], to_world));
+    out.push(Entry::numbers(format!("{id}.to_world"), &[4, 4], rows));
 }

@@ -3,6 +3,7 @@
 mod cotangent;
 mod entries;
 mod motion;
+mod surfaces;
 mod tangent;
 #[cfg(test)]
 mod tests;
@@ -11,7 +12,7 @@ pub use cotangent::{reduce, wanted};
 pub use motion::{apply, displace};
 pub use tangent::tangent;
 
-use super::data::Scene;
+use super::data::{Bsdf, Scene};
 use super::error::SceneError;
 use super::nearest::{nearest, shown};
 use entries::{Entry, entries};
@@ -68,6 +69,23 @@ pub enum Target {
     SensorXFov(usize),
     /// All texels of a texture.
     Texels(usize),
+    /// One texel of a texture: a colour of a checkerboard.
+    Texel {
+        /// Index into [`Scene::textures`].
+        texture: usize,
+        /// Index into its texels.
+        texel: usize,
+    },
+    /// The two rows of the transform of a bitmap's texture coordinates.
+    ToUv(usize),
+    /// The factor on the environment map.
+    EnvironmentScale,
+    /// A rotation of the environment map: radians about the world axes.
+    EnvironmentRotation,
+    /// Where a point light is, world units.
+    DeltaLightPosition(usize),
+    /// A translation of a point light, world units.
+    DeltaLightTranslation(usize),
 }
 
 impl Target {
@@ -81,8 +99,18 @@ impl Target {
         }
     }
 
-    fn moves_visibility(self) -> bool {
-        !matches!(self, Target::Texels(_))
+    fn moves_visibility(self, scene: &Scene) -> bool {
+        match self {
+            // What is seen through a smooth interface moves with its index of refraction.
+            Target::Texels(t) => scene.materials.iter().any(
+                |m| matches!(m.bsdf, Bsdf::Dielectric { eta, microfacets: None, .. } if eta == t),
+            ),
+            Target::Texel { .. }
+            | Target::ToUv(_)
+            | Target::EnvironmentScale
+            | Target::EnvironmentRotation => false,
+            _ => true,
+        }
     }
 }
 
@@ -101,7 +129,7 @@ impl Parameter {
         Self {
             value: entry.value(scene),
             differentiable: entry.target.is_some(),
-            moves_visibility: entry.target.is_some_and(Target::moves_visibility),
+            moves_visibility: entry.target.is_some_and(|t| t.moves_visibility(scene)),
             key: entry.key,
             aliases: entry.aliases,
             shape: entry.shape,
@@ -174,11 +202,16 @@ pub fn find(scene: &Scene, key: &str) -> Result<Parameter, SceneError> {
     let entries = entries(scene);
     let matches = |e: &Entry| e.key == key || e.aliases.iter().any(|a| a == key);
     if let Some(index) = entries.iter().position(matches) {
-        let entry = entries.into_iter().nth(index);
-        let parameter = entry.map(|e| Parameter::from_entry(scene, e));
-        return match parameter {
-            Some(p) if p.differentiable => Ok(p),
-            _ => Err(not_differentiable(key)),
+        let Some(entry) = entries.into_iter().nth(index) else {
+            return Err(not_differentiable(key));
+        };
+        return match (entry.target, entry.refusal) {
+            (Some(_), _) => Ok(Parameter::from_entry(scene, entry)),
+            (None, Some(why)) => Err(SceneError::parameter(format!(
+                "{} cannot be differentiated: {why}",
+                shown(key)
+            ))),
+            (None, None) => Err(not_differentiable(key)),
         };
     }
     // What can be differentiated is more likely meant.

@@ -1,10 +1,11 @@
 //! Moving a scene by finite amounts: setting values, and steps for finite differences.
 
+use super::surfaces::{from_rows, rows};
 use super::{Parameter, Target};
-use crate::scene::data::{Mesh, Normals, Scene};
+use crate::scene::data::{DeltaLightKind, EnvironmentMap, Mesh, Normals, Rgb, Scene};
 use crate::scene::error::SceneError;
 use crate::scene::vertex_normals::vertex_normals;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// The point that rotations and scalings of a mesh leave in place: its bounding-box centre.
@@ -80,6 +81,7 @@ pub fn displace<V: AsRef<[f32]>>(
     let mut meshes: BTreeMap<usize, MeshMotion> = BTreeMap::new();
     // Sums first: two rotations of one thing are one rotation by the sum.
     let mut sensor_rotations: BTreeMap<usize, DVec3> = BTreeMap::new();
+    let mut environment_rotation = DVec3::ZERO;
     for (parameter, values) in directions {
         let target = parameter.target()?;
         let values = parameter.broadcast(values.as_ref())?;
@@ -110,11 +112,29 @@ pub fn displace<V: AsRef<[f32]>>(
                 let texture = &mut out.textures[t];
                 let offsets = values.chunks_exact(texture.channels);
                 for (texel, offset) in texture.texels.iter_mut().zip(offsets) {
-                    for (c, number) in texel.iter_mut().enumerate() {
-                        let offset = offset[c.min(texture.channels - 1)];
+                    shift(texel, offset);
+                }
+            }
+            Target::Texel { texture, texel } => {
+                shift(&mut out.textures[texture].texels[texel], &values);
+            }
+            Target::ToUv(t) => {
+                if let Some(to_uv) = out.textures[t].layout.to_uv_mut() {
+                    let mut numbers = rows(*to_uv);
+                    for (number, offset) in numbers.iter_mut().zip(&values) {
                         *number = (f64::from(*number) + offset) as f32;
                     }
+                    *to_uv = from_rows(numbers);
                 }
+            }
+            Target::EnvironmentScale => {
+                if let Some(map) = environment_map(&mut out) {
+                    map.scale = (f64::from(map.scale) + first.x) as f32;
+                }
+            }
+            Target::EnvironmentRotation => environment_rotation += first,
+            Target::DeltaLightPosition(i) | Target::DeltaLightTranslation(i) => {
+                translate_light(&mut out, i, first);
             }
         }
     }
@@ -124,7 +144,34 @@ pub fn displace<V: AsRef<[f32]>>(
     for (s, vector) in sensor_rotations {
         rotate_sensor(&mut out, s, vector);
     }
+    if environment_rotation != DVec3::ZERO {
+        rotate_environment(&mut out, environment_rotation);
+    }
     Ok(out)
+}
+
+/// Adds three numbers, or one to all three.
+fn shift(texel: &mut Rgb, offset: &[f64]) {
+    for (c, number) in texel.iter_mut().enumerate() {
+        *number = (f64::from(*number) + offset[c.min(offset.len() - 1)]) as f32;
+    }
+}
+
+fn environment_map(scene: &mut Scene) -> Option<&mut EnvironmentMap> {
+    scene.environment.as_mut().and_then(|e| e.map.as_mut())
+}
+
+fn rotate_environment(scene: &mut Scene, vector: DVec3) {
+    if let Some(map) = environment_map(scene) {
+        let turned = DMat3::from_quat(rotation(vector)) * map.to_world.as_dmat3();
+        map.to_world = turned.as_mat3();
+    }
+}
+
+fn translate_light(scene: &mut Scene, i: usize, by: DVec3) {
+    if let DeltaLightKind::Point { position } = &mut scene.delta_lights[i].kind {
+        *position = (position.as_dvec3() + by).as_vec3();
+    }
 }
 
 fn value(values: &[f64], at: usize) -> f64 {
@@ -187,15 +234,59 @@ pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result
         Target::SensorXFov(s) => set_x_fov(scene, &parameter.key, s, first.x)?,
         Target::Texels(t) => {
             let texture = &mut scene.textures[t];
-            let [low, high] = texture.limits;
-            if let Some(bad) = values.iter().find(|v| !(low..=high).contains(*v)) {
-                return refuse(&format!("{bad} is not between {low} and {high}"));
-            }
+            check_limits(parameter, texture.limits, &values)?;
             let values = values.chunks_exact(texture.channels);
             for (texel, value) in texture.texels.iter_mut().zip(values) {
-                *texel = [0, 1, 2].map(|c| value[c.min(texture.channels - 1)]);
+                *texel = colour(value);
             }
         }
+        Target::Texel { texture, texel } => {
+            let texture = &mut scene.textures[texture];
+            check_limits(parameter, texture.limits, &values)?;
+            texture.texels[texel] = colour(&values);
+        }
+        Target::ToUv(t) => {
+            let Ok(numbers) = <[f32; 6]>::try_from(values) else {
+                return refuse("it has six numbers");
+            };
+            if let Some(to_uv) = scene.textures[t].layout.to_uv_mut() {
+                *to_uv = from_rows(numbers);
+            }
+        }
+        Target::EnvironmentScale => {
+            if first.x < 0.0 {
+                return refuse("a scale of radiance is at least zero");
+            }
+            if let Some(map) = environment_map(scene) {
+                map.scale = first.x as f32;
+            }
+        }
+        Target::EnvironmentRotation => rotate_environment(scene, first),
+        Target::DeltaLightPosition(i) => {
+            if let DeltaLightKind::Point { position } = &mut scene.delta_lights[i].kind {
+                *position = first.as_vec3();
+            }
+        }
+        Target::DeltaLightTranslation(i) => translate_light(scene, i, first),
     }
     Ok(())
+}
+
+/// Three numbers, or one three times.
+fn colour(value: &[f32]) -> Rgb {
+    [0, 1, 2].map(|c: usize| value[c.min(value.len() - 1)])
+}
+
+fn check_limits(
+    parameter: &Parameter,
+    [low, high]: [f32; 2],
+    values: &[f32],
+) -> Result<(), SceneError> {
+    match values.iter().find(|v| !(low..=high).contains(*v)) {
+        None => Ok(()),
+        Some(bad) => Err(SceneError::parameter(format!(
+            "{}: {bad} is not between {low} and {high}",
+            parameter.key
+        ))),
+    }
 }

@@ -56,11 +56,32 @@ fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32
             let channels = scene.textures[t].channels;
             let texels = out.want_texels(scene, t);
             for (texel, value) in texels.iter_mut().zip(values.chunks_exact(channels)) {
-                for (c, number) in texel.iter_mut().enumerate() {
-                    *number += value[c.min(channels - 1)];
-                }
+                add_colour(texel, value);
             }
         }
+        Target::Texel { texture, texel } => {
+            add_colour(&mut out.want_texels(scene, texture)[texel], values);
+        }
+        Target::ToUv(t) => {
+            let rows = out.to_uv[t].get_or_insert_default();
+            for (row, value) in rows.iter_mut().zip(values) {
+                *row += value;
+            }
+        }
+        Target::EnvironmentScale => out.environment.get_or_insert_default().scale += values[0],
+        Target::EnvironmentRotation => {
+            out.environment.get_or_insert_default().rotation += vector(0);
+        }
+        Target::DeltaLightPosition(i) | Target::DeltaLightTranslation(i) => {
+            *out.delta_lights[i].get_or_insert_default() += vector(0);
+        }
+    }
+}
+
+/// Adds three numbers, or one to all three.
+fn add_colour(texel: &mut [f32; 3], value: &[f32]) {
+    for (c, number) in texel.iter_mut().enumerate() {
+        *number += value[c.min(value.len() - 1)];
     }
 }
 

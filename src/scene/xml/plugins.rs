@@ -1,10 +1,10 @@
-//! Which plugins are known: supported, part of the interface but not built yet, or refused.
+//! Which plugins are known.
 
 use crate::scene::nearest::{nearest_hint, shown};
 
-/// Elements that make an object, with the plugins that each tag supports and those still to come.
-const KNOWN: &[(&str, &[&str], &[&str])] = &[
-    ("scene", &["scene"], &[]),
+/// Elements that make an object, with the plugins that each tag supports.
+const KNOWN: &[(&str, &[&str])] = &[
+    ("scene", &["scene"]),
     (
         "integrator",
         &[
@@ -15,11 +15,10 @@ const KNOWN: &[(&str, &[&str], &[&str])] = &[
             "prb_projective",
             "prb_reparam",
         ],
-        &[],
     ),
-    ("sensor", &["perspective"], &[]),
-    ("film", &["hdrfilm"], &[]),
-    ("rfilter", &["box", "tent", "gaussian"], &[]),
+    ("sensor", &["perspective"]),
+    ("film", &["hdrfilm"]),
+    ("rfilter", &["box", "tent", "gaussian"]),
     (
         "sampler",
         &[
@@ -29,13 +28,13 @@ const KNOWN: &[(&str, &[&str], &[&str])] = &[
             "orthogonal",
             "ldsampler",
         ],
-        &[],
     ),
-    ("shape", &["ply", "obj", "rectangle", "cube", "sphere"], &[]),
+    ("shape", &["ply", "obj", "rectangle", "cube", "sphere"]),
     (
         "bsdf",
-        &["diffuse", "twosided"],
         &[
+            "diffuse",
+            "twosided",
             "conductor",
             "roughconductor",
             "dielectric",
@@ -47,14 +46,13 @@ const KNOWN: &[(&str, &[&str], &[&str])] = &[
     ),
     (
         "emitter",
-        &["area", "constant"],
-        &["envmap", "point", "directional"],
+        &["area", "constant", "envmap", "point", "directional"],
     ),
-    ("texture", &[], &["bitmap", "checkerboard"]),
-    ("medium", &[], &[]),
-    ("phase", &[], &[]),
-    ("volume", &[], &[]),
-    ("spectrum", &[], &[]),
+    ("texture", &["bitmap", "checkerboard"]),
+    ("medium", &[]),
+    ("phase", &[]),
+    ("volume", &[]),
+    ("spectrum", &[]),
 ];
 
 /// Elements that are properties, transforms or about the file.
@@ -87,7 +85,7 @@ pub(super) fn all_tags() -> impl Iterator<Item = &'static str> {
 
 /// Whether `<tag type="plugin">` can be loaded; the error is a sentence.
 pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
-    let Some((_, supported, planned)) = KNOWN.iter().find(|k| k.0 == tag) else {
+    let Some((_, supported)) = KNOWN.iter().find(|k| k.0 == tag) else {
         return Err(format!("unknown element <{}>", shown(tag)));
     };
     // The many variants of path replay backpropagation differ in gradients only, not in the image; the
@@ -96,10 +94,7 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     if supported.contains(&plugin) || any_prb {
         return Ok(());
     }
-    if planned.contains(&plugin) {
-        return Err(format!("<{tag} type=\"{plugin}\"> is not supported yet"));
-    }
-    let hint = nearest_hint(plugin, supported.iter().chain(planned.iter()).copied());
+    let hint = nearest_hint(plugin, supported.iter().copied());
     let reason = match tag {
         "medium" | "phase" | "volume" => " (volumes are out of scope)",
         "spectrum" => " (spectra are out of scope: use <rgb>, <srgb> or <spectrum value=\"0.5\"/>)",

@@ -237,6 +237,21 @@ impl Object {
         })
     }
 
+    /// A number that may also be written as a grey `spectrum`.
+    pub fn number(&self, name: &str) -> Result<Option<f64>, SceneError> {
+        self.get(name, "float", |v| match v {
+            Value::Float(f) | Value::Grey(f) => Some(*f),
+            Value::Integer(i) => Some(*i as f64),
+            _ => None,
+        })
+    }
+
+    /// Whether the property is a string. Does not count as reading it.
+    pub fn holds_string(&self, name: &str) -> bool {
+        let mut properties = self.properties.iter();
+        properties.any(|p| p.name == name && matches!(p.value, Value::String(_)))
+    }
+
     /// A warning for every property that nothing read. `known` are names that the plugin reads.
     pub fn unread(&self, known: &[&str]) -> Vec<String> {
         let unread = self.properties.iter().filter(|p| !p.read.get());

@@ -1,0 +1,150 @@
+//! Materials from bsdf elements, each once however many shapes use it.
+
+mod interface;
+mod metal;
+
+use super::camera::cannot_stand_inside;
+use super::data::{Bsdf, Material};
+use super::error::SceneError;
+use super::input::Input;
+use super::texture::{REFLECTANCE, Slots, Textures};
+use super::xml::{Object, Tree};
+use std::collections::HashMap;
+
+/// Materials so far.
+#[derive(Default)]
+pub(super) struct Materials {
+    pub list: Vec<Material>,
+    /// By the element that says how light is scattered (which may stand inside a `twosided`): used in several places it is
+    /// one set of parameters.
+    by_object: HashMap<usize, Bsdf>,
+    /// By that element, and whether it is two-sided.
+    by_use: HashMap<(usize, bool), usize>,
+}
+
+impl Materials {
+    /// The material of the bsdf object `index`, listed under the bsdf's id or else under `key` if it is new.
+    pub fn bsdf(
+        &mut self,
+        input: &mut Input,
+        textures: &mut Textures,
+        index: usize,
+        key: &str,
+    ) -> Result<usize, SceneError> {
+        let tree = input.tree;
+        let object = &tree.objects[index];
+        let two_sided = object.plugin == "twosided";
+        let inner = inner(tree, index)?;
+        if let Some(&material) = self.by_use.get(&(inner, two_sided)) {
+            return Ok(material);
+        }
+        let key = object.id.as_deref().unwrap_or(key).to_string();
+        let bsdf = match self.by_object.get(&inner) {
+            Some(&bsdf) => bsdf,
+            None => {
+                // Mitsuba puts what is inside a twosided one level down.
+                let level = if two_sided { ".brdf_0" } else { "" };
+                let slots = Slots {
+                    input,
+                    textures,
+                    object: &tree.objects[inner],
+                    key: format!("{key}{level}"),
+                };
+                let bsdf = read(slots)?;
+                self.by_object.insert(inner, bsdf);
+                bsdf
+            }
+        };
+        self.list.push(Material {
+            key,
+            bsdf,
+            two_sided,
+        });
+        let material = self.list.len() - 1;
+        self.by_use.insert((inner, two_sided), material);
+        Ok(material)
+    }
+
+    /// A bsdf of the scene that no shape uses: it is listed, unless its parameters already are.
+    pub fn unused(
+        &mut self,
+        input: &mut Input,
+        textures: &mut Textures,
+        index: usize,
+        key: &str,
+    ) -> Result<(), SceneError> {
+        if !self.by_object.contains_key(&inner(input.tree, index)?) {
+            self.bsdf(input, textures, index, key)?;
+        }
+        Ok(())
+    }
+
+    /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.
+    pub fn add_default(&mut self, textures: &mut Textures, key: &str, emits: bool) -> usize {
+        let value = if emits { [0.0; 3] } else { [0.5; 3] };
+        let reflectance = textures.push(super::data::Texture {
+            limits: REFLECTANCE.limits,
+            ..super::data::Texture::constant(format!("{key}.reflectance"), value)
+        });
+        self.list.push(Material {
+            key: key.to_string(),
+            bsdf: Bsdf::Diffuse { reflectance },
+            two_sided: false,
+        });
+        self.list.len() - 1
+    }
+}
+
+/// The bsdf object itself, or the one inside a `twosided`.
+fn inner(tree: &Tree, index: usize) -> Result<usize, SceneError> {
+    let object = &tree.objects[index];
+    if object.plugin == "twosided" {
+        nested(tree, object)
+    } else {
+        Ok(index)
+    }
+}
+
+/// The one bsdf inside a `twosided`.
+fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
+    let mut found = None;
+    for child in &object.children {
+        let inner = &tree.objects[child.object];
+        if inner.tag != "bsdf" || inner.plugin == "twosided" {
+            return Err(cannot_stand_inside(child, inner, object));
+        }
+        if matches!(
+            inner.plugin.as_str(),
+            "dielectric" | "roughdielectric" | "null"
+        ) {
+            let what = format!(
+                "{} lets light through and has both sides already; it cannot stand inside a twosided",
+                inner.shown()
+            );
+            return Err(SceneError::at(&child.place, what));
+        }
+        if found.replace(child.object).is_some() {
+            let what =
+                "different bsdfs for the two sides are not supported yet; give twosided one bsdf";
+            return Err(SceneError::at(&child.place, what));
+        }
+    }
+    found.ok_or_else(|| {
+        object.error("twosided needs a bsdf inside, such as <bsdf type=\"diffuse\"/>")
+    })
+}
+
+/// Any bsdf but `twosided`.
+fn read(mut slots: Slots) -> Result<Bsdf, SceneError> {
+    match slots.object.plugin.as_str() {
+        "conductor" | "roughconductor" => metal::conductor(slots),
+        "dielectric" | "roughdielectric" => interface::dielectric(slots),
+        "plastic" | "roughplastic" => interface::plastic(slots),
+        "null" => slots.only(&[]).map(|()| Bsdf::Null),
+        _ => {
+            slots.only(&["reflectance"])?;
+            let reflectance = slots.texture("reflectance", [0.5; 3], REFLECTANCE)?;
+            Ok(Bsdf::Diffuse { reflectance })
+        }
+    }
+}
