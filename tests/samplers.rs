@@ -11,7 +11,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use warpath::lanes::{LANES, Lane};
 use warpath::paths::lights::Lights;
 use warpath::paths::random::Stream;
-use warpath::paths::tracer::cosine_direction;
+use warpath::paths::bounce::cosine_direction;
 use warpath::scene::Scene;
 use warpath::trace::geometry::Geometry;
 
