@@ -1,10 +1,13 @@
 //! Good scenes: Mitsuba's defaults and conventions.
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A};
 use std::io;
 use std::path::Path;
 use warpath::scene::source::{FileSource, Memory};
-use warpath::scene::{Filter, Normals, Rgb, Scene, SceneError, load_from};
+use warpath::scene::{
+    Bsdf, DeltaLightKind, Distribution, Filter, Layout, Microfacets, Normals, Rgb, Scene,
+    SceneError, load_from,
+};
 
 const SENSOR: &str =
     "<sensor type=\"perspective\" id=\"cam\"><float name=\"fov\" value=\"40\"/></sensor>";
@@ -358,4 +361,263 @@ fn a_file_that_cannot_be_read_is_no_bad_input() {
     );
     let missing = load_from(&Memory::new(), "s.xml", &[]).unwrap_err();
     assert!(matches!(missing, SceneError::Missing { .. }) && !missing.is_io());
+}
+
+/// The bsdf `<bsdf type="…">inside</bsdf>` of a scene.
+fn bsdf(plugin: &str, inside: &str) -> (Scene, Bsdf) {
+    let scene = scene(&format!("<bsdf type=\"{plugin}\">{inside}</bsdf>"));
+    let bsdf = scene.materials[0].bsdf;
+    assert!(scene.warnings.len() == 1, "{:?}", scene.warnings);
+    (scene, bsdf)
+}
+
+#[test]
+fn conductors_have_mitsubas_metals() {
+    let (scene, metal) = bsdf("conductor", "");
+    let Bsdf::Conductor {
+        eta,
+        k,
+        specular_reflectance,
+        microfacets: None,
+    } = metal
+    else {
+        panic!("{metal:?}");
+    };
+    // A mirror that reflects everything.
+    assert_eq!(
+        (scene.constant(eta), scene.constant(k)),
+        ([0.0; 3], [1.0; 3])
+    );
+    assert_eq!(scene.constant(specular_reflectance), [1.0; 3]);
+    let gold = "<string name=\"material\" value=\"Au\"/>";
+    let (scene, metal) = bsdf(
+        "roughconductor",
+        &format!(
+            "{gold}<string name=\"distribution\" value=\"GGX\"/><boolean name=\"sample_visible\" value=\"false\"/>"
+        ),
+    );
+    let Bsdf::Conductor {
+        eta,
+        microfacets: Some(Microfacets {
+            distribution,
+            alpha,
+        }),
+        ..
+    } = metal
+    else {
+        panic!("{metal:?}");
+    };
+    assert_eq!(distribution, Distribution::Ggx);
+    assert_eq!(scene.constant(eta), [0.14303598, 0.37530708, 1.4420453]);
+    let alpha = &scene.textures[alpha];
+    assert_eq!((alpha.texels[0], alpha.channels), ([0.1; 3], 1));
+    assert_eq!(alpha.key, "RoughConductor.alpha");
+    let (scene, metal) = bsdf("conductor", "<rgb name=\"eta\" value=\"0.2 0.9 1.1\"/>");
+    let Bsdf::Conductor { eta, k, .. } = metal else {
+        panic!("{metal:?}");
+    };
+    assert_eq!(
+        (scene.constant(eta), scene.constant(k)),
+        ([0.2, 0.9, 1.1], [1.0; 3])
+    );
+}
+
+#[test]
+fn roughness_is_at_least_mitsubas() {
+    let alpha = |inside: &str| {
+        let (scene, metal) = bsdf("roughconductor", inside);
+        let rough = metal.slots().into_iter().find(|s| s.0 == "alpha");
+        scene.constant(rough.expect("a rough metal").1)[0]
+    };
+    assert_eq!(alpha("<float name=\"alpha\" value=\"0\"/>"), 1e-4);
+    assert_eq!(alpha("<spectrum name=\"alpha\" value=\"0.3\"/>"), 0.3);
+    let both = "<float name=\"alpha_u\" value=\"0.25\"/><float name=\"alpha_v\" value=\"0.25\"/>";
+    assert_eq!(alpha(both), 0.25);
+}
+
+#[test]
+fn interfaces_take_indices_by_name_and_number() {
+    let eta = |plugin: &str, inside: &str| {
+        let (scene, bsdf) = bsdf(plugin, inside);
+        let slot = bsdf.slots().into_iter().find(|s| s.0 == "eta");
+        let texture = &scene.textures[slot.expect("an interface").1];
+        assert_eq!(texture.channels, 1);
+        texture.texels[0][0]
+    };
+    assert!((eta("dielectric", "") - 1.504_183).abs() < 1e-6);
+    assert!((eta("plastic", "") - 1.489_587).abs() < 1e-6);
+    let diamond =
+        "<string name=\"int_ior\" value=\"Diamond\"/><float name=\"ext_ior\" value=\"1\"/>";
+    assert_eq!(eta("roughdielectric", diamond), 2.419);
+    assert_eq!(
+        eta(
+            "roughplastic",
+            "<float name=\"int_ior\" value=\"1.5\"/><string name=\"ext_ior\" value=\"vacuum\"/>"
+        ),
+        1.5
+    );
+    let (scene, plastic) = bsdf(
+        "roughplastic",
+        "<boolean name=\"nonlinear\" value=\"true\"/><rgb name=\"diffuse_reflectance\" value=\"0.1 0.2 0.3\"/>",
+    );
+    let Bsdf::Plastic {
+        diffuse_reflectance,
+        nonlinear: true,
+        microfacets: Some(_),
+        ..
+    } = plastic
+    else {
+        panic!("{plastic:?}");
+    };
+    assert_eq!(scene.constant(diffuse_reflectance), [0.1, 0.2, 0.3]);
+    assert_eq!(bsdf("null", "").1, Bsdf::Null);
+}
+
+#[test]
+fn a_texture_used_twice_is_one() {
+    let scene = scene(
+        "<texture type=\"checkerboard\" id=\"board\"><rgb name=\"color1\" value=\"1 0 0\"/>\
+         <transform name=\"to_uv\"><scale x=\"4\" y=\"2\"/><rotate z=\"1\" angle=\"90\"/><translate x=\"0.5\" z=\"7\"/></transform></texture>\
+         <shape type=\"rectangle\"><bsdf type=\"diffuse\"><ref id=\"board\" name=\"reflectance\"/></bsdf></shape>\
+         <shape type=\"rectangle\"><bsdf type=\"twosided\"><bsdf type=\"plastic\">\
+         <ref id=\"board\" name=\"diffuse_reflectance\"/></bsdf></bsdf>\
+         <emitter type=\"area\"><ref id=\"board\" name=\"radiance\"/></emitter></shape>",
+    );
+    let board = scene.materials[0].bsdf.colour().unwrap();
+    assert_eq!(scene.materials[1].bsdf.colour(), Some(board));
+    assert_eq!(scene.area_lights[0].radiance, board);
+    let texture = &scene.textures[board];
+    assert_eq!(texture.key, "board");
+    assert_eq!(texture.texels, [[0.4; 3], [1.0, 0.0, 0.0]]);
+    assert_eq!(texture.limits, [0.0, 1.0]);
+    let Layout::Checkerboard { to_uv } = texture.layout else {
+        panic!("{:?}", texture.layout);
+    };
+    let there = to_uv.transform_point2(Vec2::new(1.0, 0.0));
+    assert!((there - Vec2::new(0.5, 4.0)).length() < 1e-5, "{there}");
+}
+
+#[test]
+fn one_bsdf_may_have_one_side_here_and_two_there() {
+    let scene = scene(
+        "<bsdf type=\"diffuse\" id=\"red\"/><shape type=\"cube\"><ref id=\"red\"/></shape>\
+         <shape type=\"cube\"><bsdf type=\"twosided\"><ref id=\"red\"/></bsdf></shape>",
+    );
+    let [one, two] = [0, 1].map(|m: usize| &scene.materials[scene.meshes[m].material]);
+    assert!(!one.two_sided && two.two_sided);
+    assert_eq!(one.bsdf, two.bsdf);
+}
+
+#[test]
+fn lights_without_extent_have_places_and_directions() {
+    let turned = "<transform name=\"to_world\"><rotate y=\"1\" angle=\"90\"/><translate x=\"3\"/></transform>";
+    let scene = scene(&format!(
+        "<emitter type=\"point\" id=\"bulb\"><point name=\"position\" value=\"1 2 3\"/><rgb name=\"intensity\" value=\"5\"/></emitter>\
+         <emitter type=\"point\">{turned}</emitter>\
+         <emitter type=\"directional\"><vector name=\"direction\" x=\"0\" y=\"-2\" z=\"0\"/></emitter>\
+         <emitter type=\"directional\">{turned}<rgb name=\"irradiance\" value=\"1 2 3\"/></emitter>"
+    ));
+    let kinds: Vec<DeltaLightKind> = scene.delta_lights.iter().map(|l| l.kind).collect();
+    let point = |position| DeltaLightKind::Point { position };
+    assert_eq!(kinds[0], point(Vec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(kinds[1], point(Vec3::new(3.0, 0.0, 0.0)));
+    let along = |i: usize| match kinds[i] {
+        DeltaLightKind::Directional { direction } => direction,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(along(2), Vec3::NEG_Y);
+    assert!((along(3) - Vec3::X).length() < 1e-6);
+    assert_eq!(scene.constant(scene.delta_lights[0].power), [5.0; 3]);
+    assert_eq!(scene.constant(scene.delta_lights[3].power), [1.0, 2.0, 3.0]);
+    let keys: Vec<&str> = scene.delta_lights.iter().map(|l| l.key.as_str()).collect();
+    assert_eq!(
+        keys,
+        [
+            "bulb",
+            "PointLight",
+            "DirectionalEmitter",
+            "DirectionalEmitter_1"
+        ]
+    );
+    assert!(scene.warnings.len() == 1, "{:?}", scene.warnings);
+}
+
+const BOARD: &str =
+    "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"/></bsdf>";
+
+/// The texture coordinates of the mesh at a vertex near `position`.
+fn uvs_at(scene: &Scene, mesh: usize, position: Vec3) -> Vec<Vec2> {
+    let mesh = &scene.meshes[mesh];
+    assert_eq!(mesh.uvs.len(), mesh.positions.len());
+    let near = mesh.positions.iter().zip(&mesh.uvs);
+    near.filter(|(p, _)| (**p - position).length() < 1e-5)
+        .map(|(_, uv)| *uv)
+        .collect()
+}
+
+#[test]
+fn formulas_have_mitsubas_texture_coordinates() {
+    let scene = scene(&format!(
+        "<shape type=\"rectangle\">{BOARD}</shape><shape type=\"cube\">{BOARD}</shape>\
+         <shape type=\"sphere\">{BOARD}</shape><shape type=\"cube\"/>"
+    ));
+    assert_eq!(uvs_at(&scene, 0, Vec3::new(-1.0, -1.0, 0.0)), [Vec2::ZERO]);
+    assert_eq!(uvs_at(&scene, 0, Vec3::new(1.0, -1.0, 0.0)), [Vec2::X]);
+    // A corner of the cube has a vertex on each side; (u, v) by side: x, y, z.
+    assert_eq!(scene.meshes[1].positions.len(), 24);
+    let mut corner = uvs_at(&scene, 1, Vec3::new(1.0, -1.0, 1.0));
+    corner.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    assert_eq!(
+        corner,
+        [Vec2::ZERO, Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0)]
+    );
+    let equator = uvs_at(&scene, 2, Vec3::X);
+    assert_eq!(equator.len(), 2, "the seam is split");
+    assert_eq!(uvs_at(&scene, 2, Vec3::Y), [Vec2::new(0.25, 0.5)]);
+    // Without a texture its corners stay shared.
+    assert_eq!(scene.meshes[3].positions.len(), 8);
+    assert!(scene.meshes[3].uvs.is_empty());
+}
+
+#[test]
+fn files_have_texture_coordinates() {
+    let ply = |names: [&str; 2]| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property float s\nproperty float t\nproperty float {}\nproperty float {}\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 9 9 0.25 0.5\n1 0 0 9 9 1 0\n0 1 0 9 9 0 1\n3 0 1 2\n",
+            names[0], names[1]
+        )
+    };
+    // Vertex 2 has two texture coordinates.
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.125\nvt 1 0 0\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/2 4/3\n";
+    let files = Memory::new()
+        .with("s/uv.ply", ply(["u", "v"]))
+        .with("s/texture.ply", ply(["texture_u", "texture_v"]))
+        .with("s/m.obj", obj);
+    let shape = |plugin: &str, file: &str, extra: &str| {
+        format!(
+            "<shape type=\"{plugin}\"><string name=\"filename\" value=\"{file}\"/>{extra}</shape>"
+        )
+    };
+    let flip = |flip: bool| format!("{BOARD}<boolean name=\"flip_tex_coords\" value=\"{flip}\"/>");
+    let shapes = [
+        shape("ply", "uv.ply", BOARD),
+        shape("ply", "texture.ply", &flip(true)),
+        shape("obj", "m.obj", BOARD),
+        shape("obj", "m.obj", &flip(false)),
+        shape("obj", "m.obj", ""),
+    ];
+    let scene = with_files(&format!("{}{SENSOR}", shapes.concat()), files, &[]);
+    let first = |m: usize| scene.meshes[m].uvs[0];
+    assert_eq!(first(0), Vec2::new(0.25, 0.5));
+    assert_eq!(first(1), Vec2::new(0.25, 0.5));
+    assert_eq!(scene.meshes[1].uvs[1], Vec2::new(1.0, 1.0));
+    // OBJ files count v downwards.
+    assert_eq!(first(2), Vec2::new(0.25, 0.875));
+    assert_eq!(first(3), Vec2::new(0.25, 0.125));
+    assert_eq!(scene.meshes[2].positions.len(), 5);
+    assert_eq!(scene.meshes[2].triangles, [[0, 1, 2], [0, 4, 3]]);
+    // Without a texture vertices are not split.
+    assert_eq!(scene.meshes[4].positions.len(), 4);
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::SceneDifferential;
-use crate::scene::data::{Normals, Scene};
+use crate::scene::data::{DeltaLightKind, EnvironmentMap, Layout, Normals, Scene, Wrap};
 use crate::scene::load_from;
 use crate::scene::source::Memory;
 
@@ -27,9 +27,65 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <ref id="paint"/></shape>
   <shape type="rectangle" id="light"><emitter type="area"><rgb name="radiance" value="3 2 1"/></emitter></shape>
   <emitter type="constant" id="env"><rgb name="radiance" value="0.5 0.6 0.7"/></emitter>
+  <emitter type="point" id="bulb"><point name="position" x="1" y="2" z="3"/></emitter>
+  <emitter type="directional" id="sun"><rgb name="irradiance" value="3 2 1"/></emitter>
+  <texture type="checkerboard" id="board"><rgb name="color0" value="0.1 0.2 0.3"/></texture>
+  <texture type="checkerboard" id="coarse"><float name="color0" value="0.3"/><float name="color1" value="0.6"/></texture>
+  <shape type="cube" id="box"><bsdf type="roughconductor" id="metal"><string name="material" value="Au"/>
+    <ref id="coarse" name="alpha"/><ref id="board" name="specular_reflectance"/></bsdf></shape>
+  <shape type="rectangle" id="floor"><bsdf type="twosided"><bsdf type="roughplastic">
+    <ref id="board" name="diffuse_reflectance"/></bsdf></bsdf></shape>
+  <shape type="cube" id="pane"><bsdf type="dielectric"/></shape>
+  <shape type="cube" id="frost"><bsdf type="roughdielectric"/></shape>
 </scene>"#;
 
+/// The loaded scene, with pictures put into it: a bitmap in place of the reflectance of `computed`, a grey one with a
+/// `nearest` filter as the roughness of `frost`, and an environment map.
 fn scene() -> Scene {
+    let mut scene = loaded();
+    let mut random = Random(3);
+    let mut picture = |scene: &mut Scene, key: &str, bilinear: bool| {
+        let slot = scene.textures.iter().position(|t| t.key == key);
+        let texture = &mut scene.textures[slot.expect("the slot is there")];
+        let grey = texture.channels == 1;
+        texture.texels = (0..12)
+            .map(|_| {
+                let [r, g, b] = [0; 3].map(|_| 0.5 + 0.4 * random.next());
+                if grey { [r; 3] } else { [r, g, b] }
+            })
+            .collect();
+        texture.layout = Layout::Bitmap {
+            width: 4,
+            height: 3,
+            wrap: Wrap::Repeat,
+            bilinear,
+            to_uv: glam::Affine2::from_scale_angle_translation(
+                glam::Vec2::new(2.0, 3.0),
+                0.3,
+                glam::Vec2::new(0.1, 0.2),
+            ),
+        };
+    };
+    picture(&mut scene, "computed.bsdf.reflectance", true);
+    picture(&mut scene, "frost.bsdf.alpha", false);
+    picture(&mut scene, "env.radiance", true);
+    for texture in scene
+        .textures
+        .iter_mut()
+        .filter(|t| t.key == "env.radiance")
+    {
+        texture.key = "env".to_string();
+    }
+    if let Some(environment) = &mut scene.environment {
+        environment.map = Some(EnvironmentMap {
+            to_world: glam::Mat3::from_rotation_x(0.7),
+            scale: 1.5,
+        });
+    }
+    scene
+}
+
+fn loaded() -> Scene {
     let files = Memory::new()
         .with("s.xml", SCENE)
         .with("given.ply", PLY_WITH_NORMALS)
@@ -87,10 +143,19 @@ fn flat(d: &mut SceneDifferential, scene: &Scene) -> Vec<f64> {
             .flatten()
             .map(|&v| f64::from(v)),
     );
+    for to_uv in &all.to_uv {
+        out.extend(to_uv.unwrap_or_default().map(f64::from));
+    }
+    let environment = all.environment.unwrap_or_default();
+    out.push(f64::from(environment.scale));
+    for light in &all.delta_lights {
+        out.extend(light.unwrap_or_default().to_array().map(f64::from));
+    }
     let camera = all.camera.unwrap_or_default();
     out.extend(camera.translation.to_array().map(f64::from));
     out.extend(camera.rotation.to_array().map(f64::from));
     out.push(f64::from(camera.x_fov_deg));
+    out.extend(environment.rotation.to_array().map(f64::from));
     out
 }
 
@@ -119,6 +184,18 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
                 .flatten()
                 .map(|&v| f64::from(v)),
         );
+        for texture in &scene.textures {
+            let to_uv = texture.layout.to_uv().unwrap_or_default();
+            out.extend(surfaces::rows(to_uv).map(f64::from));
+        }
+        let map = scene.environment.as_ref().and_then(|e| e.map);
+        out.push(map.map_or(0.0, |m| f64::from(m.scale)));
+        for light in &scene.delta_lights {
+            out.extend(match light.kind {
+                DeltaLightKind::Point { position } => position.to_array().map(f64::from),
+                DeltaLightKind::Directional { .. } => [0.0; 3],
+            });
+        }
         out.extend(
             scene.sensors[sensor]
                 .to_world
@@ -135,13 +212,23 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
         .map(|(a, b)| (a - b) / (2.0 * step))
         .collect();
     // dM = [ω]× M, so ω stands in the antisymmetric part of dM·Mᵀ.
-    let matrix = |s: &Scene| glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3();
-    let spin = (matrix(plus) - matrix(minus)) * matrix(base).transpose() * (0.25 / step);
-    out.push(spin.y_axis.z - spin.z_axis.y);
-    out.push(spin.z_axis.x - spin.x_axis.z);
-    out.push(spin.x_axis.y - spin.y_axis.x);
+    let spin = |matrix: &dyn Fn(&Scene) -> glam::DMat3| {
+        let spin = (matrix(plus) - matrix(minus)) * matrix(base).transpose() * (0.25 / step);
+        [
+            spin.y_axis.z - spin.z_axis.y,
+            spin.z_axis.x - spin.x_axis.z,
+            spin.x_axis.y - spin.y_axis.x,
+        ]
+    };
+    out.extend(spin(&|s| {
+        glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3()
+    }));
     let fov = |s: &Scene| f64::from(s.sensors[sensor].x_fov_rad).to_degrees();
     out.push((fov(plus) - fov(minus)) / (2.0 * step));
+    out.extend(spin(&|s| {
+        let map = s.environment.as_ref().and_then(|e| e.map);
+        map.map_or(glam::DMat3::IDENTITY, |m| m.to_world.as_dmat3())
+    }));
     out
 }
 
@@ -184,6 +271,16 @@ fn several_directions_add_up() {
         ("paint.reflectance.value", vec![0.1, 0.2, 0.3]),
         ("given.bsdf.reflectance.value", vec![0.1, 0.2, 0.3]),
         ("cam.rotation", vec![0.2, 0.1, 0.4]),
+        ("board.color0.value", vec![0.3, 0.2, 0.1]),
+        (
+            "box.bsdf.specular_reflectance.color0.value",
+            vec![0.3, 0.2, 0.1],
+        ),
+        ("env.rotation", vec![0.2, -0.1, 0.3]),
+        ("env.rotation", vec![0.1, 0.4, 0.2]),
+        ("bulb.position", vec![0.2, -0.1, 0.3]),
+        ("bulb.translation", vec![0.2, -0.1, 0.3]),
+        ("computed.bsdf.reflectance.to_uv", vec![0.2, -0.1, 0.3]),
     ];
     let mut all = tangent(&scene, &directions, 0).unwrap();
     let mut sum = vec![0.0; flat(&mut all, &scene).len()];
@@ -241,6 +338,16 @@ fn fill(cotangent: &mut SceneDifferential, random: &mut Random) {
     for colour in cotangent.texels.iter_mut().flatten().flatten() {
         *colour = [random.next(), random.next(), random.next()];
     }
+    for number in cotangent.to_uv.iter_mut().flatten().flatten() {
+        *number = random.next();
+    }
+    if let Some(environment) = &mut cotangent.environment {
+        environment.scale = random.next();
+        environment.rotation = glam::Vec3::from_slice(&random.values(3));
+    }
+    for light in cotangent.delta_lights.iter_mut().flatten() {
+        *light = glam::Vec3::from_slice(&random.values(3));
+    }
     if let Some(camera) = &mut cotangent.camera {
         camera.translation = glam::Vec3::from_slice(&random.values(3));
         camera.rotation = glam::Vec3::from_slice(&random.values(3));
@@ -267,12 +374,33 @@ fn keys_are_mitsubas() {
         "given.vertex_positions",
         "given.faces",
         "given.vertex_normals",
-        "computed.bsdf.reflectance.value",
         "PLYMesh.vertex_positions",
         "light.emitter.radiance.value",
         "light.bsdf.reflectance.value",
         "paint.brdf_0.reflectance.value",
-        "env.radiance.value",
+        "computed.bsdf.reflectance.data",
+        "computed.bsdf.reflectance.to_uv",
+        "env.data",
+        "env.scale",
+        "env.rotation",
+        "bulb.position",
+        "bulb.translation",
+        "bulb.intensity.value",
+        "sun.irradiance.value",
+        "sun.direction",
+        "board.color0.value",
+        "board.color1.value",
+        "board.to_uv",
+        "coarse.color0.value",
+        "metal.eta.value",
+        "metal.k.value",
+        "floor.bsdf.brdf_0.alpha",
+        "floor.bsdf.brdf_0.eta",
+        "floor.bsdf.brdf_0.specular_reflectance.value",
+        "pane.bsdf.eta",
+        "pane.bsdf.specular_transmittance.value",
+        "frost.bsdf.alpha.data",
+        "box.vertex_texcoords",
         "cam.x_fov",
         "cam.film.size",
         "PerspectiveCamera.translation",
@@ -302,6 +430,11 @@ fn wrong_keys_and_values_are_refused() {
     assert!(message("given.vertex_positions", vec![0.0; 4]).contains("4×3"));
     assert!(message("cam.x_fov", vec![0.0; 3]).contains("takes 1"));
     assert!(message("cam.x_fov", vec![f32::NAN]).contains("finite"));
+    assert!(message("board.to_uv", vec![0.0; 6]).contains("edges"));
+    assert!(message("frost.bsdf.alpha.to_uv", vec![0.0; 6]).contains("bilinear"));
+    assert!(message("sun.direction", vec![0.0; 3]).contains("cannot be differentiated"));
+    assert!(message("env.to_uv", vec![0.0; 6]).contains("no parameter"));
+    assert!(message("env.data", vec![0.0; 4]).contains("3×4×3"));
     assert!(message("PerspectiveCamera.x_fov", vec![1.0]).contains("--sensor 1"));
 }
 
@@ -332,15 +465,92 @@ fn setting_is_what_moving_there_gives() {
         60f32.to_radians()
     );
     assert_eq!(
-        set("env.radiance.value", &[1.0, 2.0, 3.0])
+        set("sun.irradiance.value", &[1.0, 2.0, 3.0])
             .unwrap()
-            .textures
-            .last()
-            .unwrap()
+            .textures[base.delta_lights[1].power]
             .texels,
         [[1.0, 2.0, 3.0]]
     );
+    let light = |s: Scene| s.delta_lights[0].kind;
+    let there = DeltaLightKind::Point {
+        position: glam::Vec3::new(2.0, 2.0, 5.0),
+    };
+    assert_eq!(
+        light(set("bulb.position", &[2.0, 2.0, 5.0]).unwrap()),
+        there
+    );
+    assert_eq!(
+        light(set("bulb.translation", &[1.0, 0.0, 2.0]).unwrap()),
+        there
+    );
+    assert_eq!(light(go("bulb.position", &[1.0, 0.0, 2.0], 1.0)), there);
+    let numbers = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+    let placed = set("computed.bsdf.reflectance.to_uv", &numbers).unwrap();
+    let t = base
+        .textures
+        .iter()
+        .position(|t| t.key == "computed.bsdf.reflectance");
+    let to_uv = placed.textures[t.unwrap()].layout.to_uv().unwrap();
+    // (u, v) ↦ (u + 2v + 3, 4u + 5v + 6)
+    assert_eq!(
+        to_uv.transform_point2(glam::Vec2::X),
+        glam::Vec2::new(4.0, 10.0)
+    );
+    assert_eq!(
+        to_uv.transform_point2(glam::Vec2::Y),
+        glam::Vec2::new(5.0, 11.0)
+    );
+    let brighter = set("env.scale", &[4.0]).unwrap();
+    assert_eq!(brighter.environment.unwrap().map.unwrap().scale, 4.0);
+    assert!(set("env.scale", &[-1.0]).is_err());
+    assert!(set("env.data", &[-1.0, 0.0, 0.0]).is_err());
+    assert!(set("coarse.color0.value", &[0.0]).is_err());
+    assert!(set("pane.bsdf.eta", &[0.0]).is_err());
     assert!(set("cam.x_fov", &[180.0]).is_err());
     assert!(set("given.scale", &[0.0]).is_err());
     assert!(set("paint.reflectance.value", &[1.5, 0.0, 0.0]).is_err());
+}
+
+#[test]
+fn a_texture_is_one_parameter_by_many_names() {
+    let scene = scene();
+    let key = |name: &str| find(&scene, name).unwrap().key;
+    for name in [
+        "board.color1.value",
+        "metal.specular_reflectance.color1.value",
+        "box.bsdf.specular_reflectance.color1.value",
+        "floor.bsdf.brdf_0.diffuse_reflectance.color1.value",
+        "floor.bsdf.diffuse_reflectance.color1.value",
+    ] {
+        assert_eq!(key(name), "board.color1.value");
+    }
+    // A number that Mitsuba holds without a texture has no ".value"; both spellings are taken.
+    assert_eq!(key("pane.bsdf.eta.value"), "pane.bsdf.eta");
+    assert_eq!(key("floor.bsdf.alpha.value"), "floor.bsdf.brdf_0.alpha");
+    // Mitsuba exchanges the colours of a checkerboard that is a number.
+    let texel = |name: &str| match find(&scene, name).unwrap().target {
+        Some(Target::Texel { texture, texel }) => scene.textures[texture].texels[texel][0],
+        other => panic!("{name} is {other:?}"),
+    };
+    assert_eq!(texel("coarse.color0.value"), 0.3);
+    assert_eq!(texel("board.color0.value"), 0.1);
+    let coarse = scene.textures.iter().find(|t| t.key == "coarse").unwrap();
+    assert_eq!(coarse.texels[0][0], 0.6);
+}
+
+#[test]
+fn what_moves_visibility_says_so() {
+    let scene = scene();
+    for (key, moves) in [
+        ("bulb.position", true),
+        ("box.vertex_positions", true),
+        ("pane.bsdf.eta", true),
+        ("frost.bsdf.eta", false),
+        ("metal.eta.value", false),
+        ("env.rotation", false),
+        ("board.color0.value", false),
+        ("computed.bsdf.reflectance.to_uv", false),
+    ] {
+        assert_eq!(find(&scene, key).unwrap().moves_visibility, moves, "{key}");
+    }
 }
