@@ -1,25 +1,18 @@
 //! Makes the meshes of `scenes/`: `cargo run --release --example make_meshes -- scenes/meshes`.
 
-use std::f64::consts::TAU;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+#[path = "shared/mesh.rs"]
+mod mesh;
 
-type Point = [f64; 3];
+use mesh::{Mesh, Point};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 
 fn main() -> std::io::Result<()> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes/meshes".into()));
     std::fs::create_dir_all(&folder)?;
-    write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
-    write_binary(
-        &folder.join("ring.ply"),
-        &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]),
-    )?;
+    tube(200, 20, 0.11, trefoil).write_binary(&folder.join("knot.ply"))?;
+    tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]).write_binary(&folder.join("ring.ply"))?;
     write_ascii(&folder.join("wedge.ply"), &wedge())
-}
-
-struct Mesh {
-    points: Vec<Point>,
-    triangles: Vec<[usize; 3]>,
 }
 
 /// A trefoil knot that fits into the unit ball.
@@ -98,31 +91,8 @@ fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-fn header(format: &str, mesh: &Mesh) -> String {
-    format!(
-        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.points.len(),
-        mesh.triangles.len()
-    )
-}
-
-fn write_binary(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut bytes = header("binary_little_endian", mesh).into_bytes();
-    for x in mesh.points.iter().flatten() {
-        bytes.write_all(&(*x as f32).to_le_bytes())?;
-    }
-    for triangle in &mesh.triangles {
-        bytes.push(3);
-        for i in triangle {
-            bytes.write_all(&(*i as i32).to_le_bytes())?;
-        }
-    }
-    std::fs::write(path, bytes)
-}
-
 fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut text = header("ascii", mesh);
+    let mut text = mesh.header("ascii");
     for [x, y, z] in &mesh.points {
         text += &format!("{x} {y} {z}\n");
     }
