@@ -1,10 +1,11 @@
 //! Makes the meshes of `scenes/` and of `scenes/materials/`: `cargo run --release --example make_meshes -- scenes`.
 
-use std::f64::consts::TAU;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+#[path = "shared/mesh.rs"]
+mod mesh;
 
-type Point = [f64; 3];
+use mesh::{Mesh, Point};
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 
 fn main() -> std::io::Result<()> {
     let scenes = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes".into()));
@@ -12,19 +13,11 @@ fn main() -> std::io::Result<()> {
     let materials = scenes.join("materials/meshes");
     std::fs::create_dir_all(&folder)?;
     std::fs::create_dir_all(&materials)?;
-    write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
-    write_binary(
-        &folder.join("ring.ply"),
-        &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]),
-    )?;
+    tube(200, 20, 0.11, trefoil).write_binary(&folder.join("knot.ply"))?;
+    tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]).write_binary(&folder.join("ring.ply"))?;
     write_ascii(&folder.join("wedge.ply"), &wedge())?;
     write_ball(&materials.join("ball.ply"), 50, 50)?;
     write_ball(&materials.join("gem.ply"), 12, 7)
-}
-
-struct Mesh {
-    points: Vec<Point>,
-    triangles: Vec<[usize; 3]>,
 }
 
 /// A trefoil knot that fits into the unit ball.
@@ -103,22 +96,15 @@ fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-fn header(format: &str, mesh: &Mesh) -> String {
-    format!(
-        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.points.len(),
-        mesh.triangles.len()
-    )
-}
-
-fn write_binary(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut bytes = header("binary_little_endian", mesh).into_bytes();
-    for x in mesh.points.iter().flatten() {
-        bytes.write_all(&(*x as f32).to_le_bytes())?;
+fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
+    let mut text = mesh.header("ascii");
+    for [x, y, z] in &mesh.points {
+        text += &format!("{x} {y} {z}\n");
     }
-    write_triangles(&mut bytes, &mesh.triangles);
-    std::fs::write(path, bytes)
+    for [a, b, c] in &mesh.triangles {
+        text += &format!("3 {a} {b} {c}\n");
+    }
+    std::fs::write(path, text)
 }
 
 /// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each vertex has its normal
@@ -158,24 +144,4 @@ fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
     }
     write_triangles(&mut bytes, &triangles);
     std::fs::write(path, bytes)
-}
-
-fn write_triangles(bytes: &mut Vec<u8>, triangles: &[[usize; 3]]) {
-    for triangle in triangles {
-        bytes.push(3);
-        for i in triangle {
-            bytes.extend((*i as i32).to_le_bytes());
-        }
-    }
-}
-
-fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut text = header("ascii", mesh);
-    for [x, y, z] in &mesh.points {
-        text += &format!("{x} {y} {z}\n");
-    }
-    for [a, b, c] in &mesh.triangles {
-        text += &format!("3 {a} {b} {c}\n");
-    }
-    std::fs::write(path, text)
 }

@@ -24,7 +24,10 @@ fn reference(name: &str) -> Vec<[f64; 2]> {
     let text = std::fs::read_to_string(path).expect("a reference");
     let mut blocks = Vec::new();
     for line in text.lines().filter(|l| !l.starts_with('#')) {
-        let numbers: Vec<f64> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
+        let numbers: Vec<f64> = line
+            .split_whitespace()
+            .map(|w| w.parse().unwrap())
+            .collect();
         assert_eq!(numbers.len(), 8, "{line}");
         blocks.extend((0..3).map(|c| [numbers[2 + c], numbers[5 + c]]));
     }
@@ -73,7 +76,11 @@ fn agrees(name: &str) {
             ));
         }
     }
-    println!("{name}: mean z² {squares:.2}, {} of {} beyond {WORST} σ", wrong.len(), references.len());
+    println!(
+        "{name}: mean z² {squares:.2}, {} of {} beyond {WORST} σ",
+        wrong.len(),
+        references.len()
+    );
     assert!(
         wrong.is_empty() && squares < MEAN_SQUARE,
         "{name}: mean z² {squares:.2}\n{}",

@@ -9,9 +9,9 @@ use common::scenes::*;
 use glam::{Vec3, vec3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use warpath::lanes::{LANES, Lane};
+use warpath::paths::bounce::cosine_direction;
 use warpath::paths::lights::Lights;
 use warpath::paths::random::Stream;
-use warpath::paths::bounce::cosine_direction;
 use warpath::scene::Scene;
 use warpath::trace::geometry::Geometry;
 

@@ -3,6 +3,7 @@
 use super::stage::{GroupImages, Stage, StageClock};
 use super::{
     BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics,
+    refusals,
 };
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
@@ -28,10 +29,13 @@ pub fn backward(
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
+    refusals::check(scene, request)?;
     let mut statistics = Statistics::default();
     let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
-    let visibility = settings.method == Method::Reparam && request.moves_geometry();
-    let stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    let moves_edges = request.moves_geometry() || request.bends(scene);
+    let visibility = settings.method == Method::Reparam && moves_edges;
+    let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    stage.ask_about(request);
     check_size(&adjoint, stage.size)?;
 
     let clock = StageClock::start();

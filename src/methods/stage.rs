@@ -1,13 +1,13 @@
 //! What every method sets up: geometry, acceleration structure, lights, film, and threads that work through tiles.
 
-use super::{EngineError, Image, Progress, Settings, Statistics};
+use super::{EngineError, Image, Progress, Settings, Statistics, refusals};
 use crate::paths::camera::Camera;
 use crate::paths::film::{Block, FilmFilter};
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
 use crate::paths::materials::MaterialTable;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
-use crate::scene::{Film, Rgb, Scene};
+use crate::scene::{Film, Rgb, Scene, SceneDifferential};
 use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, MeshView};
 use crate::warp::adjacency::Adjacency;
@@ -89,7 +89,7 @@ impl<'a> Stage<'a> {
             .collect();
         let accel =
             Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
-        let lights = Lights::new(scene, &geometry);
+        let lights = Lights::new(scene, &geometry, false);
         let adjacency = visibility.then(|| pool.install(|| Adjacency::new(&geometry)));
         let groups = if settings.standard_error {
             group_count(settings.spp)
@@ -126,6 +126,19 @@ impl<'a> Stage<'a> {
             pool,
             threads,
         })
+    }
+
+    /// Sees to it that what is black now, and asked about, is sampled all the same.
+    pub fn ask_about(&mut self, request: &SceneDifferential) {
+        self.limits.black_goes_on = refusals::asks_about_black(self.scene, request);
+        if self
+            .scene
+            .area_lights
+            .iter()
+            .any(|l| request.texels[l.radiance].is_some())
+        {
+            self.lights = Lights::new(self.scene, &self.geometry, true);
+        }
     }
 
     /// A tracer over this stage.

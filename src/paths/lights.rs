@@ -28,6 +28,9 @@ pub struct Patch {
     triangles: [(u32, usize); 2],
 }
 
+/// Of the mean radiance: a light that is asked about is sampled as if it were at least this bright.
+const LEAST_LEVEL: f64 = 0.1;
+
 /// All area lights of a scene.
 pub struct Lights {
     pub patches: Vec<Patch>,
@@ -42,13 +45,16 @@ pub struct Lights {
 }
 
 impl Lights {
-    pub fn new(scene: &Scene, geometry: &Geometry) -> Self {
+    /// `black_too`: lights that are dark at present are sampled as well.
+    pub fn new(scene: &Scene, geometry: &Geometry, black_too: bool) -> Self {
         let mut patches = Vec::new();
         let mut power = Vec::new();
         for (index, light) in scene.area_lights.iter().enumerate() {
             let range =
                 geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
-            let level = luminance(scene.constant(light.radiance));
+            let texels = &scene.textures[light.radiance].texels;
+            let all: f64 = texels.iter().map(|&t| luminance(t)).sum();
+            let level = all / texels.len() as f64;
             for mut patch in pair_triangles(geometry, range) {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
@@ -58,6 +64,12 @@ impl Lights {
             }
         }
         let mut total: f64 = power.iter().map(|p| p.1).sum();
+        if black_too && total > 0.0 {
+            let area: f64 = power.iter().map(|p| p.0).sum();
+            let least = LEAST_LEVEL * total / area;
+            power.iter_mut().for_each(|p| p.1 = p.1.max(p.0 * least));
+            total = power.iter().map(|p| p.1).sum();
+        }
         if total <= 0.0 {
             // Every light is black now; a gradient by its radiance still wants samples of it.
             power.iter_mut().for_each(|p| p.1 = p.0);
