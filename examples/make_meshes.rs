@@ -142,6 +142,11 @@ fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
             }
         }
     }
-    write_triangles(&mut bytes, &triangles);
+    for triangle in &triangles {
+        bytes.push(3);
+        for i in triangle {
+            bytes.extend((*i as i32).to_le_bytes());
+        }
+    }
     std::fs::write(path, bytes)
 }

@@ -188,12 +188,15 @@ impl<'a> ForwardSweep<'a> {
         let value = tracer
             .materials
             .interface(scene, geometry, triangle, kinds, b);
-        let tangent =
-            tracer
-                .materials
-                .interface_tangent(scene, geometry, triangle, kinds, b, db, |t| {
-                    self.motion.texels[t].as_deref()
-                });
+        let tangent = tracer.materials.interface_tangent(
+            scene,
+            geometry,
+            triangle,
+            kinds,
+            b,
+            db,
+            |t, found| self.motion.texture(t, found),
+        );
         Interface {
             colour: dual_vector(value.colour, tangent.colour),
             second: dual_vector(value.second, tangent.second),
@@ -351,9 +354,7 @@ impl<'a> ForwardSweep<'a> {
         let scene = self.tracer.scene;
         let texture = scene.area_lights[light].radiance;
         let (found, by_b) = texture_at(scene, self.tracer.geometry, texture, triangle, b);
-        let mixed = self.motion.texels[texture].as_ref();
-        let mixed = mixed.map_or(Vec3::ZERO, |t| found.mix(t));
-        (mixed + by_b[0] * db[0] + by_b[1] * db[1]).to_array()
+        (self.motion.texture(texture, &found) + by_b[0] * db[0] + by_b[1] * db[1]).to_array()
     }
 
     fn light_sample(&self, here: &MovingVertex) -> V3<Lane> {

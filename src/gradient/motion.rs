@@ -4,6 +4,7 @@ use crate::lanes::{Dual, LANES, Lane, Real, V3};
 use crate::paths::camera::splat;
 use crate::paths::environment as sky;
 use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::texture::Lookup;
 use crate::scene::{
     CameraDifferential, Environment, EnvironmentDifferential, Rgb, Scene, SceneDifferential,
 };
@@ -21,6 +22,8 @@ pub struct Motion {
     pub camera: Option<CameraDifferential>,
     /// Per texture, per texel.
     pub texels: Vec<Option<Vec<Rgb>>>,
+    /// Per texture: the rows of `to_uv`.
+    pub to_uv: Vec<Option<[f32; 6]>>,
     /// Whether any of them changes.
     pub colours: bool,
     /// Velocity of each light without an extent.
@@ -63,7 +66,9 @@ impl Motion {
             moving_mesh,
             camera: tangent.camera,
             texels: tangent.texels.clone(),
-            colours: tangent.texels.iter().any(Option::is_some),
+            to_uv: tangent.to_uv.clone(),
+            colours: tangent.texels.iter().any(Option::is_some)
+                || tangent.to_uv.iter().any(Option::is_some),
             delta_lights: tangent
                 .delta_lights
                 .iter()
@@ -71,6 +76,13 @@ impl Motion {
                 .collect(),
             environment: tangent.environment.unwrap_or_default(),
         }
+    }
+
+    /// How a texture changes where it is looked up.
+    pub fn texture(&self, texture: usize, found: &Lookup) -> Vec3 {
+        let mixed = self.texels[texture].as_ref();
+        let moved = self.to_uv[texture].as_ref();
+        mixed.map_or(Vec3::ZERO, |t| found.mix(t)) + moved.map_or(Vec3::ZERO, |m| found.moved(m))
     }
 
     /// How the colour of a constant texture changes.

@@ -379,11 +379,7 @@ impl ReverseSweep<'_> {
                 .materials
                 .for_each_slot(scene, geometry, triangle, at, |s| {
                     let bar = slot_bars[s.slot];
-                    for (&texel, weight) in s.lookup.texels.iter().zip(s.lookup.weights) {
-                        if weight != 0.0 {
-                            sums.add_texel(self.wanted, s.texture, texel, bar * weight);
-                        }
-                    }
+                    sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
                     for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
                         sum[lane] += by.dot(bar);
                     }

@@ -204,11 +204,7 @@ impl ReverseSweep<'_> {
         let scene = self.tracer.scene;
         let texture = scene.area_lights[light].radiance;
         let (found, slopes) = texture_at(scene, self.tracer.geometry, texture, triangle, b);
-        for (&texel, weight) in found.texels.iter().zip(found.weights) {
-            if weight != 0.0 {
-                sums.add_texel(self.wanted, texture, texel, bar * weight);
-            }
-        }
+        sums.add_texture(self.wanted, texture, &found, bar);
         slopes
     }
 

@@ -6,7 +6,7 @@ use super::store::lane_mask;
 use super::texture::{Lookup, lookup};
 use crate::kernels::interface::{Interface, RoughTransmission};
 use crate::lanes::{LANES, Lane, Real, V3};
-use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Rgb, Scene};
+use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{Vec2, Vec3};
 
@@ -195,9 +195,9 @@ impl MaterialTable {
         interface(&slots)
     }
 
-    /// The change of [`Self::interface`] as texels change by `texels(texture)` and the barycentrics by `db1`, `db2`.
+    /// The change of [`Self::interface`] as textures change by `change(texture, where)` and the barycentrics by `db1`, `db2`.
     #[allow(clippy::too_many_arguments)]
-    pub fn interface_tangent<'t>(
+    pub fn interface_tangent(
         &self,
         scene: &Scene,
         geometry: &Geometry,
@@ -205,7 +205,7 @@ impl MaterialTable {
         kinds: &Kinds,
         [b1, b2]: [Lane; 2],
         [db1, db2]: [Lane; 2],
-        texels: impl Fn(usize) -> Option<&'t [Rgb]>,
+        change: impl Fn(usize, &Lookup) -> Vec3,
     ) -> Interface<Lane> {
         let mut slots = [[Vec3::ZERO; LANES]; SLOTS];
         let [b1, b2, db1, db2] = [b1, b2, db1, db2].map(Lane::to_array);
@@ -213,7 +213,7 @@ impl MaterialTable {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
                 self.for_each_slot(scene, geometry, triangle[lane], [b1[lane], b2[lane]], |s| {
                     let [by_b1, by_b2] = s.by_barycentric;
-                    let mixed = texels(s.texture).map_or(Vec3::ZERO, |t| s.lookup.mix(t));
+                    let mixed = change(s.texture, &s.lookup);
                     slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
                 });
             }

@@ -11,6 +11,10 @@ pub struct Lookup {
     pub weights: [f32; 4],
     /// Along u and v as the mesh has them (before `to_uv`).
     pub by_uv: [Vec3; 2],
+    /// Along u and v after `to_uv`.
+    pub by_place: [Vec3; 2],
+    /// As the mesh has them.
+    pub uv: Vec2,
 }
 
 impl Lookup {
@@ -20,7 +24,22 @@ impl Lookup {
             texels: [texel; 4],
             weights: [1.0, 0.0, 0.0, 0.0],
             by_uv: [Vec3::ZERO; 2],
+            by_place: [Vec3::ZERO; 2],
+            uv: Vec2::ZERO,
         }
+    }
+
+    /// How the value changes if the rows of `to_uv` change by these.
+    pub fn moved(&self, to_uv: &[f32; 6]) -> Vec3 {
+        let row = |r: usize| to_uv[r] * self.uv.x + to_uv[r + 1] * self.uv.y + to_uv[r + 2];
+        self.by_place[0] * row(0) + self.by_place[1] * row(3)
+    }
+
+    /// The cotangent of the rows of `to_uv`.
+    pub fn to_uv_bar(&self, bar: Vec3) -> [f32; 6] {
+        let [x, y] = self.by_place.map(|by| by.dot(bar));
+        let uv = self.uv;
+        [x * uv.x, x * uv.y, x, y * uv.x, y * uv.y, y]
     }
 
     /// How the value changes if the texels change by these.
@@ -83,6 +102,8 @@ pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
                     by_x * m.x_axis.x + by_y * m.x_axis.y,
                     by_x * m.y_axis.x + by_y * m.y_axis.y,
                 ],
+                by_place: [by_x, by_y],
+                uv,
             }
         }
     }
