@@ -123,3 +123,27 @@ fn what_a_picture_is_made_of() {
     )];
     check(&scene, &to_uv, 64, None, Agrees);
 }
+
+#[test]
+fn lit_by_the_sun() {
+    let scene = close_up().sunny();
+    moved(&scene, 64, &[MOVED]);
+    moved(&scene, 64, &[("env.rotation", &[0.3, 0.5, 1.0])]);
+    let metal = close_up().sunny().depth(3).metal("floor", 0.1, Ggx);
+    moved(&metal, 64, &[MOVED]);
+    let wide = close_up().sunny().depth(3).metal("floor", 0.3, Ggx);
+    moved(&wide, 64, &[MOVED]);
+    let plastic = close_up().sunny().depth(3).plastic("floor", Some(0.2));
+    moved(&plastic, 64, &[MOVED]);
+}
+
+#[test]
+fn the_sun_itself() {
+    let scene = close_up().sunny().depth(3);
+    for (key, by) in [
+        ("env.data", [1.0, 0.5, 0.2].as_slice()),
+        ("env.scale", &[1.0]),
+    ] {
+        check(&scene, &[(key, by)], 16, None, Agrees);
+    }
+}

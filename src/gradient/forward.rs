@@ -97,7 +97,7 @@ impl<'a> ForwardSweep<'a> {
     ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
         let mut sum = V3::splat(0.0);
         if vertices.escaped != 0 {
-            sum = masked(vertices.escaped, self.escape(chain));
+            sum = masked(vertices.escaped, self.escape(vertices, chain, previous));
         }
         if vertices.hit == 0 {
             return (sum, None);
@@ -109,6 +109,13 @@ impl<'a> ForwardSweep<'a> {
         if !self.tracer.lights.is_empty() {
             sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));
             sum = sum + self.light_sample(&here);
+        }
+        if let Some(sample) = store.sky_sample(vertices) {
+            let lit = sample.weight.gt(Lane::splat(0.0));
+            if lit.any() {
+                let brings = self.sky_brings(&here, sample.direction, sample.weight);
+                sum = sum + V3::select(lit, brings, V3::splat(0.0));
+            }
         }
         sum = sum + self.delta_lights(store, &here);
         if self.visibility {
@@ -126,7 +133,12 @@ impl<'a> ForwardSweep<'a> {
         (sum, Some(here))
     }
 
-    fn escape(&self, chain: &Chain) -> V3<Lane> {
+    fn escape(
+        &self,
+        vertices: &Vertices,
+        chain: &Chain,
+        previous: Option<&MovingVertex>,
+    ) -> V3<Lane> {
         let Some(environment) = &self.tracer.scene.environment else {
             return V3::splat(0.0);
         };
@@ -138,7 +150,34 @@ impl<'a> ForwardSweep<'a> {
             direction,
             tangent_of(chain.direction),
         );
-        tangent_of(chain.throughput.times(dual_vector(value, tangent)))
+        let seen = tangent_of(chain.throughput.times(dual_vector(value, tangent)));
+        let sampled = vertices.sampled & vertices.escaped;
+        let (Some(from), true) = (previous, sampled != 0) else {
+            return seen;
+        };
+        let weight = vertices.emission_weight;
+        let brings = self.sky_brings(from, vertices.direction, weight);
+        V3::select(lane_mask(sampled), brings, seen)
+    }
+
+    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map.
+    fn sky_brings(&self, here: &MovingVertex, direction: V3<Lane>, weight: Lane) -> V3<Lane> {
+        let Some(environment) = &self.tracer.scene.environment else {
+            return V3::splat(0.0);
+        };
+        let turning = splat::<Lane>(self.motion.environment.rotation).cross(direction);
+        let w = dual_vector(direction, turning);
+        let value = self.tracer.environment_radiance(environment, direction);
+        let scene = self.tracer.scene;
+        let brighter = self
+            .motion
+            .sky_tangent(scene, environment, direction, turning);
+        let irradiance = direction_irradiance(here.n, w) * constant(weight);
+        let arrives = self
+            .value_toward(here, w)
+            .times(dual_vector(value, brighter))
+            * irradiance;
+        tangent_of(here.throughput.times(arrives))
     }
 
     /// The ray's end, solved again with everything moving.
@@ -439,7 +478,16 @@ impl<'a> ForwardSweep<'a> {
     fn bounce_crossing(&self, crossing: &BounceCrossing, here: &MovingVertex) -> Rgb {
         let lane = crossing.lane as usize;
         let x = dual_lane(here.x, lane);
-        let d = self.direction_at(here, lane, crossing.local);
+        let d = if crossing.in_sky {
+            let d = Vec3::from(crossing.local.map(|x| x as f32));
+            let turning = self.motion.environment.rotation.cross(d);
+            dual_vector(
+                V3::new(crossing.local[0], crossing.local[1], crossing.local[2]),
+                V3::new(turning.x as f64, turning.y as f64, turning.z as f64),
+            )
+        } else {
+            self.direction_at(here, lane, crossing.local)
+        };
         let side = crossing
             .boundary
             .side(x, d, |v| self.motion.point(self.tracer.geometry, v));

@@ -230,7 +230,7 @@ impl ReverseSweep<'_> {
     ) -> Chain {
         let mut back = Chain::zero();
         if vertices.escaped != 0 {
-            self.escape(vertices, radiance_bar, &mut back, sums);
+            self.escape(vertices, before, radiance_bar, &mut back, sums);
         }
         let Some(here) = here else { return back };
         let mut bars = after.earlier;
@@ -250,6 +250,12 @@ impl ReverseSweep<'_> {
             );
             self.light_sample(here, radiance_bar, &mut bars, sums);
         }
+        if let Some(sample) = store.sky_sample(vertices) {
+            let lit = sample.weight.gt(Lane::splat(0.0)).to_bits();
+            let bar = masked(lit, radiance_bar);
+            let (direction, weight) = (sample.direction, sample.weight);
+            self.sky_brings(here, direction, weight, lit, bar, &mut bars, sums);
+        }
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         if self.visibility {
             self.crossings(store, here, radiance_bar, &mut bars, sums);
@@ -266,6 +272,7 @@ impl ReverseSweep<'_> {
     fn escape(
         &self,
         vertices: &Vertices,
+        before: Option<&Solved>,
         radiance_bar: V3<Lane>,
         back: &mut Chain,
         sums: &mut TileSums,
@@ -274,19 +281,35 @@ impl ReverseSweep<'_> {
         let Some(environment) = &scene.environment else {
             return;
         };
+        let sampled = vertices.sampled & vertices.escaped;
+        if let (Some(from), true) = (before, sampled != 0) {
+            let bar = masked(sampled, radiance_bar);
+            let weight = vertices.emission_weight;
+            let earlier = &mut back.earlier;
+            self.sky_brings(
+                from,
+                vertices.direction,
+                weight,
+                sampled,
+                bar,
+                earlier,
+                sums,
+            );
+        }
+        let seen = vertices.escaped & !sampled;
         let value = self
             .tracer
             .environment_radiance(environment, vertices.direction);
-        back.throughput = masked(vertices.escaped, radiance_bar.times(value));
-        let value_bar = masked(vertices.escaped, radiance_bar.times(vertices.throughput));
+        back.throughput = masked(seen, radiance_bar.times(value));
+        let value_bar = masked(seen, radiance_bar.times(vertices.throughput));
         let texture = environment.radiance;
         let Some(map) = &environment.map else {
-            let sum = sum_lanes(value_bar, vertices.escaped);
+            let sum = sum_lanes(value_bar, seen);
             sums.add_texel(self.wanted, texture, 0, sum.as_vec3());
             return;
         };
         let mut direction_bar = [Vec3::ZERO; LANES];
-        for lane in (0..LANES).filter(|&l| vertices.escaped >> l & 1 == 1) {
+        for lane in (0..LANES).filter(|&l| seen >> l & 1 == 1) {
             let bar = lane_of(value_bar, lane);
             let d = lane_of(vertices.direction, lane);
             let found = sky::lookup(&scene.textures[texture], map, d);

@@ -110,18 +110,31 @@ impl ReverseSweep<'_> {
         let [lx, ly, lz] = crossing.local;
         let vertices = here.vertices;
         let bit = |bits: u32| bits >> lane & 1 == 1;
-        let mut side = |d: DVec3| {
+        let side = |d: DVec3, sums: &mut TileSums| {
             crossing
                 .boundary
                 .side_adjoint(self.tracer.geometry, x, d, side_bar, |v, bar| {
                     self.scatter_vertex(v, bar, sums)
                 })
         };
+        if crossing.in_sky {
+            let d = DVec3::from(crossing.local);
+            let (o_bar, d_bar) = side(d, sums);
+            // The direction turns with the map by ω × d.
+            let turn = d.cross(d_bar);
+            if self.wanted.environment && turn.is_finite() {
+                sums.environment.rotation += turn;
+            }
+            return LaneBars {
+                x: finite(o_bar),
+                ..LaneBars::default()
+            };
+        }
         let interface = match &here.interface {
             Some(s) if !bit(vertices.lobes.diffuse) => interface_of_lane(s, lane),
             _ => {
                 let d = dvec3(direction_from_local(n, lx, ly, lz));
-                let (o_bar, d_bar) = side(d);
+                let (o_bar, d_bar) = side(d, sums);
                 let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
                 return LaneBars {
                     x: finite(o_bar),
@@ -150,7 +163,7 @@ impl ReverseSweep<'_> {
             n, arriving, lx, ly, lz, interface, none, false, reflected, refracted, conductor,
             plastic, smooth, ggx, nonlinear, entering,
         );
-        let (o_bar, d_bar) = side(dvec3(d));
+        let (o_bar, d_bar) = side(dvec3(d), sums);
         let no_weight = V3::splat(0.0);
         let (n_bar, direction_bar, _, _, _, s_bar, _) = interface_bounce_adjoint(
             n,

@@ -11,6 +11,7 @@ use crate::kernels::interface::interface_value;
 use crate::kernels::light::{direction_irradiance, point_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::camera::splat;
+use crate::paths::environment as sky;
 use crate::paths::materials::texture_at;
 use crate::paths::rays::lane_of;
 use crate::paths::store::{TileStore, masked};
@@ -266,6 +267,65 @@ impl ReverseSweep<'_> {
     fn light_triangle(&self, patch: u32) -> u32 {
         let light = self.tracer.lights.patches[patch as usize].light as usize;
         self.tracer.geometry.first_triangle[self.tracer.scene.area_lights[light].mesh]
+    }
+
+    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map, in the lanes of
+    /// `bits`.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn sky_brings(
+        &self,
+        here: &Solved,
+        direction: V3<Lane>,
+        weight: Lane,
+        bits: u32,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let scene = self.tracer.scene;
+        let Some(environment) = &scene.environment else {
+            return;
+        };
+        if bits == 0 {
+            return;
+        }
+        let irradiance = direction_irradiance(here.n, direction);
+        let value = self.value_toward(here, direction);
+        let radiance = self.tracer.environment_radiance(environment, direction);
+        let scaled = masked(bits, radiance_bar * weight);
+        let throughput = here.vertices.throughput;
+        let own = scaled.times(value).times(radiance) * irradiance;
+        bars.throughput = bars.throughput + masked(bits, own);
+        let path = scaled.times(throughput);
+        let sky_bar = masked(bits, path.times(value) * irradiance);
+        if let Some(map) = &environment.map {
+            let texture = environment.radiance;
+            for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
+                let d = lane_of(direction, lane);
+                let found = sky::lookup(&scene.textures[texture], map, d);
+                let bar = lane_of(sky_bar, lane);
+                for (&texel, weight) in found.texels.iter().zip(found.weights) {
+                    sums.add_texel(self.wanted, texture, texel, bar * weight);
+                }
+                if self.wanted.environment && bar.is_finite() {
+                    sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);
+                }
+            }
+        }
+        let value_bar = path.times(radiance) * irradiance;
+        let mut w_bar = self.value_adjoint(here, direction, bits, value_bar, bars);
+        let all = path.times(radiance).times(value);
+        let irradiance_bar = all.x + all.y + all.z;
+        let (n, w) = direction_irradiance_adjoint(here.n, direction, irradiance_bar);
+        bars.n = bars.n + masked(bits, n);
+        w_bar = w_bar + masked(bits, w);
+        if self.wanted.environment {
+            // ω turns the direction by ω × d.
+            let turn = super::accumulator::sum_lanes(direction.cross(w_bar), bits);
+            if turn.is_finite() {
+                sums.environment.rotation += turn;
+            }
+        }
     }
 
     /// Lights without an extent.

@@ -32,8 +32,7 @@ pub fn backward(
     refusals::check(scene, request)?;
     let mut statistics = Statistics::default();
     let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
-    let moves_edges = request.moves_geometry() || request.bends(scene);
-    let visibility = settings.method == Method::Reparam && moves_edges;
+    let visibility = settings.method == Method::Reparam && request.moves_edges(scene);
     let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
     stage.ask_about(request);
     check_size(&adjoint, stage.size)?;

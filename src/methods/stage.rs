@@ -6,6 +6,7 @@ use crate::paths::film::{Block, FilmFilter};
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
 use crate::paths::materials::MaterialTable;
+use crate::paths::sky::Sky;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
 use crate::scene::{Film, Rgb, Scene, SceneDifferential};
 use crate::trace::geometry::Geometry;
@@ -28,6 +29,7 @@ pub struct Stage<'a> {
     pub accel: Accel,
     pub lights: Lights,
     pub materials: MaterialTable,
+    pub sky: Option<Sky>,
     pub adjacency: Option<Adjacency>,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -90,6 +92,10 @@ impl<'a> Stage<'a> {
         let accel =
             Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
         let lights = Lights::new(scene, &geometry, false);
+        let sky = scene.environment.as_ref().and_then(|e| {
+            let map = e.map.as_ref()?;
+            Some(Sky::new(&scene.textures[e.radiance], map))
+        });
         let adjacency = visibility.then(|| pool.install(|| Adjacency::new(&geometry)));
         let groups = if settings.standard_error {
             group_count(settings.spp)
@@ -110,6 +116,7 @@ impl<'a> Stage<'a> {
             accel,
             lights,
             materials: MaterialTable::new(scene),
+            sky,
             adjacency,
             camera: Camera::new(&sensor),
             lattice,
@@ -149,6 +156,7 @@ impl<'a> Stage<'a> {
             accel: &self.accel,
             lights: &self.lights,
             materials: &self.materials,
+            sky: self.sky.as_ref(),
             camera: self.camera,
             limits: self.limits,
             adjacency: self.adjacency.as_ref(),
@@ -325,6 +333,7 @@ impl Statistics {
             ("bounce", counts.bounce),
             ("light_cell", counts.light_cell),
             ("bounce_cell", counts.bounce_cell),
+            ("sky_cell", counts.sky_cell),
             ("probe", counts.probe),
         ];
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {

@@ -20,8 +20,7 @@ pub fn forward(
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     refusals::check(scene, tangent)?;
-    let moves_edges = tangent.moves_geometry() || tangent.bends(scene);
-    let visibility = settings.method == Method::Reparam && moves_edges;
+    let visibility = settings.method == Method::Reparam && tangent.moves_edges(scene);
     let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
     stage.ask_about(tangent);
     let motion = Motion::new(scene, &stage.geometry, tangent);

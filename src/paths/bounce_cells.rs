@@ -26,7 +26,10 @@ use glam::{DVec3, Vec3};
 pub struct BounceCrossing {
     pub boundary: Boundary,
     pub lane: u8,
-    /// Coordinate of the crossing in the frame of the shading normal, for the lane's lobe (`kernels::interface`).
+    /// Whether it hides an environment map, and keeps its place on that.
+    pub in_sky: bool,
+    /// Coordinate of the crossing in the frame of the shading normal, for the lane's lobe (`kernels::interface`); in the
+    /// sky its world direction.
     pub local: [f64; 3],
     /// Radiance of the path per unit of Ḟ, all at θ₀.
     pub radiance_per_side: Rgb,
@@ -66,7 +69,12 @@ pub fn find(
     let Some(vertices) = store.vertices.last() else {
         return;
     };
-    let first = store.bounce_crossings.len() as u32;
+    // Those that hide an environment map are there already.
+    let first = if vertices.bounce_crossings[1] > vertices.bounce_crossings[0] {
+        vertices.bounce_crossings[0]
+    } else {
+        store.bounce_crossings.len() as u32
+    };
     let (_, jitter) = stream.pair(index, depth * PAIRS_PER_VERTEX - 1);
     let number = index[0].wrapping_mul(8).wrapping_add(depth);
     let axis = (stream.uniform(AXIS + number) * 2.0) as usize;
@@ -261,6 +269,7 @@ impl Finder<'_> {
         self.out.push(BounceCrossing {
             boundary,
             lane: lane as u8,
+            in_sky: false,
             local: local.to_array(),
             radiance_per_side: radiance.as_vec3().to_array(),
         });
@@ -285,7 +294,8 @@ impl Finder<'_> {
         let scene = self.tracer.scene;
         // What light samples find at the last vertex has lines of its own, on the lights.
         let is_narrow = lobe != Lobe::Diffuse && self.vertices.kinds.wide >> lane & 1 == 0;
-        if self.at_last && scene.environment.is_none() && !is_narrow {
+        let has_even_sky = scene.environment.as_ref().is_some_and(|e| e.map.is_none());
+        if self.at_last && !has_even_sky && !is_narrow {
             return;
         }
         let mut at = LaneSurface::new(self.vertices, self.surface, lane, lobe);

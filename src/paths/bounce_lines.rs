@@ -326,17 +326,7 @@ impl Line {
 
     /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f cosθ, if F = `c`·d.
     pub fn crossing_weight(&self, c: DVec3, d: DVec3) -> Option<f64> {
-        let along = self.poles.map(|pole| {
-            let toward = pole - d * d.dot(pole);
-            c.dot(toward) / toward.length()
-        });
-        let norm = along[0] * along[0] + along[1] * along[1];
-        if norm.is_nan() || norm <= 0.0 {
-            return None;
-        }
-        let sin_psi = d.dot(self.pole);
-        let cos_psi = (1.0 - sin_psi * sin_psi).max(0.0).sqrt();
-        Some(-along[self.axis] / norm * cos_psi * self.inverse_density)
+        Some(line_weight(self.poles, self.axis, c, d)? * self.inverse_density)
     }
 
     /// The chance that a point of the line falls between ψ = `from` and `to`: one of the jittered points, or the bounce,
@@ -368,6 +358,22 @@ impl Line {
         }
         weights
     }
+}
+
+/// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at `d`; `None` where it does
+/// not cross.
+pub fn line_weight(poles: [DVec3; 2], axis: usize, c: DVec3, d: DVec3) -> Option<f64> {
+    let along = poles.map(|pole| {
+        let toward = pole - d * d.dot(pole);
+        c.dot(toward) / toward.length()
+    });
+    let norm = along[0] * along[0] + along[1] * along[1];
+    if norm.is_nan() || norm <= 0.0 {
+        return None;
+    }
+    let sin_psi = d.dot(poles[axis]);
+    let cos_psi = (1.0 - sin_psi * sin_psi).max(0.0).sqrt();
+    Some(-along[axis] / norm * cos_psi)
 }
 
 /// One lane of an interface.

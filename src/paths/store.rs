@@ -56,6 +56,19 @@ pub struct Vertices {
     pub bounce_crossings: [u32; 2],
     /// Lanes that see each light without an extent, likewise.
     pub delta_lights: [u32; 2],
+    /// Its sample of the environment map, likewise: one or none.
+    pub sky: [u32; 2],
+}
+
+/// A sample of the environment map in each lane.
+#[derive(Clone, Debug)]
+pub struct SkySample {
+    /// World, unit.
+    pub direction: V3<Lane>,
+    /// MIS weight over density over solid angle; 0 where the sky is hidden.
+    pub weight: Lane,
+    /// π times the BSDF toward it.
+    pub value: V3<Lane>,
 }
 
 /// The lobe that was drawn, a bit a lane.
@@ -134,6 +147,7 @@ impl Default for Vertices {
             crossings: [0; 2],
             bounce_crossings: [0; 2],
             delta_lights: [0; 2],
+            sky: [0; 2],
         }
     }
 }
@@ -172,6 +186,7 @@ pub struct TileStore {
     /// Lanes that see a light without an extent: for each vertex one entry a light.
     pub delta_visible: Vec<u32>,
     pub film_crossings: Vec<FilmCrossing>,
+    pub sky_samples: Vec<SkySample>,
 }
 
 impl TileStore {
@@ -182,7 +197,14 @@ impl TileStore {
         self.light_crossings.clear();
         self.bounce_crossings.clear();
         self.delta_visible.clear();
+        self.sky_samples.clear();
         self.film_crossings.clear();
+    }
+
+    /// A vertex's sample of the environment map.
+    pub fn sky_sample(&self, vertices: &Vertices) -> Option<&SkySample> {
+        let [from, to] = vertices.sky;
+        (from != to).then(|| &self.sky_samples[from as usize])
     }
 
     /// The vertices of a packet, camera side first.

@@ -8,6 +8,7 @@ use super::lights::Lights;
 use super::materials::MaterialTable;
 use super::random::Stream;
 use super::rays::{RayPacket, to_rays};
+use super::sky::Sky;
 use super::store::{TileStore, Vertices, lane_mask, masked};
 use super::surface::Surface;
 use crate::lanes::{LANES, Lane, Real, V3};
@@ -40,6 +41,8 @@ pub struct Counts {
     pub light_cell: u64,
     /// Rays along the horizon and beside it: they only find silhouettes.
     pub bounce_cell: u64,
+    /// Rays to the environment map: they only find silhouettes.
+    pub sky_cell: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
     /// Cells between whose ends a silhouette was found.
@@ -53,7 +56,13 @@ pub struct Counts {
 impl Counts {
     /// All rays.
     pub fn rays(&self) -> u64 {
-        self.camera + self.shadow + self.bounce + self.light_cell + self.bounce_cell + self.probe
+        self.camera
+            + self.shadow
+            + self.bounce
+            + self.light_cell
+            + self.bounce_cell
+            + self.sky_cell
+            + self.probe
     }
 }
 
@@ -64,6 +73,7 @@ impl std::ops::AddAssign for Counts {
         self.bounce += o.bounce;
         self.light_cell += o.light_cell;
         self.bounce_cell += o.bounce_cell;
+        self.sky_cell += o.sky_cell;
         self.probe += o.probe;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
@@ -78,6 +88,8 @@ pub struct Tracer<'a> {
     pub accel: &'a Accel,
     pub lights: &'a Lights,
     pub materials: &'a MaterialTable,
+    /// Given if there is an environment map.
+    pub sky: Option<&'a Sky>,
     pub camera: Camera,
     pub limits: PathLimits,
     /// Given if silhouettes are wanted, because something moves.
@@ -150,6 +162,10 @@ impl Tracer<'_> {
             if depth == 0 && self.limits.hide_emitters {
                 vertices.escaped = 0;
             }
+            if depth > 0 && depth == first_depth && self.sky.is_some() && !with_emission {
+                // Wide lobes see the map by lines of its own.
+                vertices.escaped = 0;
+            }
             let surface = self.surface(&mut vertices);
             if let (Some(previous), Some(from)) = (&previous, store.vertices.last()) {
                 self.weigh_emission(&mut vertices, from, previous);
@@ -176,6 +192,18 @@ impl Tracer<'_> {
                         store,
                     );
                 }
+                if let Some(sky) = self.sky {
+                    self.sample_sky(
+                        sky,
+                        &mut vertices,
+                        &surface,
+                        stream,
+                        index,
+                        depth,
+                        counts,
+                        store,
+                    );
+                }
                 if !self.scene.delta_lights.is_empty() {
                     self.see_delta_lights(&mut vertices, &surface, counts, store);
                 }
@@ -194,7 +222,10 @@ impl Tracer<'_> {
                     }
                     if last && !has_lights {
                         // Only whether the environment is seen matters: any hit will do.
-                        let end = self.last_bounce(&rays, throughput, counts);
+                        let mut end = self.last_bounce(&rays, throughput, counts);
+                        if let Some(from) = store.vertices.last() {
+                            self.weigh_emission(&mut end, from, &surface);
+                        }
                         if let Some(adjacency) = self.adjacency {
                             let sees = Seen::Environment(end.escaped);
                             bounce_cells::find(
@@ -224,16 +255,25 @@ impl Tracer<'_> {
 
     /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
     fn weigh_emission(&self, vertices: &mut Vertices, from: &Vertices, surface: &Surface) {
-        if self.lights.is_empty() {
-            vertices.emission_weight = Lane::splat(0.0);
-            return;
-        }
         let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
-        vertices.sampled = drawn & vertices.hit;
-        let sampled = lane_mask(vertices.sampled);
-        let (weight, value) = self.sampled_emission(vertices, from, surface);
-        vertices.emission_weight = <Lane as Real>::select(sampled, weight, Lane::splat(1.0));
-        vertices.sampled_value = value;
+        let one = Lane::splat(1.0);
+        vertices.emission_weight = one;
+        if !self.lights.is_empty() && vertices.hit != 0 {
+            vertices.sampled = drawn & vertices.hit;
+            let (weight, value) = self.sampled_emission(vertices, from, surface);
+            let sampled = lane_mask(vertices.sampled);
+            vertices.emission_weight = <Lane as Real>::select(sampled, weight, one);
+            vertices.sampled_value = value;
+        }
+        let escaped = drawn & vertices.escaped;
+        if let (Some(sky), true) = (self.sky, escaped != 0) {
+            let (weight, value) = self.sampled_sky(sky, vertices, from, surface, escaped);
+            let lanes = lane_mask(escaped);
+            vertices.sampled |= escaped;
+            vertices.emission_weight =
+                <Lane as Real>::select(lanes, weight, vertices.emission_weight);
+            vertices.sampled_value = V3::select(lanes, value, vertices.sampled_value);
+        }
     }
 
     /// The vertices of a bounce of which only the escape counts.
@@ -275,6 +315,12 @@ impl Tracer<'_> {
                 if !self.lights.is_empty() {
                     sum = sum + vertices.throughput.times(self.sampled_light(vertices));
                 }
+                if let (Some(sample), Some(environment)) =
+                    (store.sky_sample(vertices), &self.scene.environment)
+                {
+                    let light = self.sky_light(environment, vertices, sample);
+                    sum = sum + vertices.throughput.times(light);
+                }
                 let [from, to] = vertices.delta_lights.map(|i| i as usize);
                 if from != to {
                     let surface = self.surface(&mut vertices.clone());
@@ -302,7 +348,14 @@ impl Tracer<'_> {
         }
         if let (Some(environment), true) = (&self.scene.environment, vertices.escaped != 0) {
             let radiance = self.environment_radiance(environment, vertices.direction);
-            sum = sum + masked(vertices.escaped, vertices.throughput.times(radiance));
+            let mut found = vertices.throughput.times(radiance);
+            let sampled = vertices.sampled & vertices.escaped;
+            if let (Some(from), true) = (from, sampled != 0) {
+                let brings = from.throughput.times(vertices.sampled_value);
+                let brings = brings.times(radiance) * vertices.emission_weight;
+                found = V3::select(lane_mask(sampled), brings, found);
+            }
+            sum = sum + masked(vertices.escaped, found);
         }
         sum
     }

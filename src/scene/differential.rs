@@ -67,6 +67,16 @@ impl SceneDifferential {
         })
     }
 
+    /// Whether an environment map may turn: what hides it hides other parts of it then.
+    pub fn turns_sky(&self, scene: &Scene) -> bool {
+        self.environment.is_some() && scene.environment.as_ref().is_some_and(|e| e.map.is_some())
+    }
+
+    /// Whether anything moves edges that something may see.
+    pub fn moves_edges(&self, scene: &Scene) -> bool {
+        self.moves_geometry() || self.bends(scene) || self.turns_sky(scene)
+    }
+
     /// Makes room (zeros) for the texels of a texture.
     pub fn want_texels(&mut self, scene: &Scene, texture: usize) -> &mut Vec<Rgb> {
         let texels = scene.textures[texture].texels.len();

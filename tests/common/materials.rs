@@ -1,7 +1,8 @@
 //! Other materials for the scenes of `scenes`.
 
 use warpath::scene::{
-    Bsdf, Distribution, Layout, Material, Microfacets, Rgb, Scene, Texture, Wrap,
+    Bsdf, Distribution, Environment, EnvironmentMap, Layout, Material, Microfacets, Rgb, Scene,
+    Texture, Wrap,
 };
 
 /// Gives the mesh `id` a material of its own, two-sided where that means anything.
@@ -14,6 +15,8 @@ pub trait Paint {
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self;
     /// A diffuse surface with a picture on it: texture coordinates are x and y.
     fn picture(self, id: &str) -> Self;
+    /// An environment map with a small sun, turned.
+    fn sunny(self) -> Self;
 }
 
 fn texture(scene: &mut Scene, key: String, value: Rgb, channels: usize) -> usize {
@@ -105,6 +108,32 @@ impl Paint for Scene {
             nonlinear: true,
             microfacets: alpha.map(|a| microfacets(scene, key, a, Distribution::Beckmann)),
         })
+    }
+
+    fn sunny(mut self) -> Self {
+        let (width, height) = (32u32, 17u32);
+        let mut texels = vec![[0.3, 0.4, 0.6]; (width * height) as usize];
+        texels[(3 * width + 9) as usize] = [90.0, 80.0, 60.0];
+        self.textures.push(Texture {
+            texels,
+            layout: Layout::Bitmap {
+                width,
+                height,
+                wrap: Wrap::Repeat,
+                bilinear: true,
+                to_uv: glam::Affine2::IDENTITY,
+            },
+            ..Texture::constant("env".into(), [0.0; 3])
+        });
+        self.environment = Some(Environment {
+            key: "env".into(),
+            radiance: self.textures.len() - 1,
+            map: Some(EnvironmentMap {
+                to_world: glam::Mat3::from_euler(glam::EulerRot::XYZ, 1.4, 0.3, 0.1),
+                scale: 1.5,
+            }),
+        });
+        self
     }
 
     fn picture(mut self, id: &str) -> Self {

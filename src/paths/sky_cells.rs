@@ -1,0 +1,245 @@
+//! Where something begins to hide an environment map, seen from a vertex: in the map's own coordinates.
+//!
+//! As `paths::light_cells` for area lights. The jump is the map's radiance where the silhouette is.
+
+use super::bounce_cells::BounceCrossing;
+use super::bounce_lines::line_weight;
+use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
+use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
+use super::sky::{Sky, SkyLine};
+use super::store::Vertices;
+use super::surface::Surface;
+use super::tracer::{Counts, Tracer};
+use crate::lanes::LANES;
+use crate::scene::Environment;
+use crate::trace::Coherence;
+use crate::warp::adjacency::Adjacency;
+use crate::warp::boundary::Boundary;
+use glam::{DVec3, Vec3};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
+
+/// Points on a line besides its ends on the horizon, at quantiles of the line's power.
+const INNER_POINTS: usize = 4;
+/// Runs that are met with less than this chance are weighed as if it were this.
+const SMALLEST_CHANCE: f64 = 1e-3;
+/// Lines end this far above the horizon (radians).
+const RIM: f64 = 1e-4;
+
+/// A lane's line above its horizon.
+struct Seen {
+    line: SkyLine,
+    psi: Vec<f64>,
+}
+
+/// Finds the crossings on one line of every lane of `lit` about `axis`, drawn by `place` and with points at
+/// `jitter`.
+#[allow(clippy::too_many_arguments)]
+pub fn find(
+    tracer: &Tracer,
+    sky: &Sky,
+    environment: &Environment,
+    adjacency: &Adjacency,
+    vertices: &Vertices,
+    surface: &Surface,
+    lit: u32,
+    axis: usize,
+    [place, jitter]: [[f32; LANES]; 2],
+    counts: &mut Counts,
+    out: &mut Vec<BounceCrossing>,
+) {
+    let lines: [Option<Seen>; LANES] = std::array::from_fn(|lane| {
+        if lit >> lane & 1 == 0 {
+            return None;
+        }
+        let line = sky.line(axis, place[lane] as f64);
+        above_horizon(
+            sky,
+            line,
+            lane_of(surface.n, lane).as_dvec3(),
+            jitter[lane] as f64,
+        )
+    });
+    let points = lines.iter().flatten().map(|l| l.psi.len()).max();
+    let open: Vec<u32> = (0..points.unwrap_or(0))
+        .map(|i| unblocked(tracer, surface, &lines, i, counts))
+        .collect();
+    for (lane, seen) in lines.iter().enumerate() {
+        let Some(seen) = seen else { continue };
+        let open: Vec<bool> = open[..seen.psi.len()]
+            .iter()
+            .map(|o| o >> lane & 1 == 1)
+            .collect();
+        if open.windows(2).all(|o| o[0] == o[1]) {
+            continue;
+        }
+        let mut finder = Finder {
+            tracer,
+            sky,
+            environment,
+            adjacency,
+            vertices,
+            surface,
+            lane,
+            seen,
+            counts,
+        };
+        finder.shadows(&open, out);
+    }
+}
+
+/// The part of a line above the horizon of `n`, with points on it.
+fn above_horizon(sky: &Sky, line: SkyLine, n: DVec3, jitter: f64) -> Option<Seen> {
+    let (a, b) = (line.pole.dot(n), line.middle.dot(n));
+    let zero = -(b / a).atan();
+    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+    if a > 0.0 {
+        low = zero + RIM;
+    } else if a < 0.0 {
+        high = zero - RIM;
+    } else if b <= 0.0 {
+        return None;
+    }
+    if high - low < RIM {
+        return None;
+    }
+    let mut psi: Vec<f64> = (0..INNER_POINTS)
+        .map(|k| sky.quantile(&line, (k as f64 + jitter) / INNER_POINTS as f64))
+        .filter(|p| (low..high).contains(p))
+        .collect();
+    psi.insert(0, low);
+    psi.push(high);
+    Some(Seen { line, psi })
+}
+
+fn direction(line: &SkyLine, psi: f64) -> DVec3 {
+    line.pole * psi.sin() + line.middle * psi.cos().max(0.0)
+}
+
+/// Which lanes see the sky at point `i` of their lines.
+fn unblocked(
+    tracer: &Tracer,
+    surface: &Surface,
+    lines: &[Option<Seen>; LANES],
+    i: usize,
+    counts: &mut Counts,
+) -> u32 {
+    let mut directions = [Vec3::Z; LANES];
+    let mut wanted = 0u32;
+    for (lane, seen) in lines.iter().enumerate() {
+        if let Some(seen) = seen
+            && let Some(&psi) = seen.psi.get(i)
+        {
+            directions[lane] = direction(&seen.line, psi).as_vec3();
+            wanted |= 1 << lane;
+        }
+    }
+    let rays = RayPacket {
+        active: wanted,
+        origin: leave(surface.x, surface.geometric, surface.n),
+        direction: from_lanes(&directions),
+        near: 0.0,
+        far: f32::INFINITY,
+    };
+    counts.sky_cell += wanted.count_ones() as u64;
+    wanted
+        & !tracer
+            .accel
+            .occluded(&to_rays(&rays), wanted, Coherence::Incoherent)
+}
+
+struct Finder<'a> {
+    tracer: &'a Tracer<'a>,
+    sky: &'a Sky,
+    environment: &'a Environment,
+    adjacency: &'a Adjacency,
+    vertices: &'a Vertices,
+    surface: &'a Surface,
+    lane: usize,
+    seen: &'a Seen,
+    counts: &'a mut Counts,
+}
+
+impl Finder<'_> {
+    /// The silhouettes of whatever hides the sky at some of the points of the line.
+    fn shadows(&mut self, open: &[bool], out: &mut Vec<BounceCrossing>) {
+        let Seen { line, psi } = self.seen;
+        let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, self.lane);
+        let mut found: Vec<(f64, Boundary, f64)> = Vec::new();
+        let mut all_found = true;
+        for i in (0..open.len() - 1).filter(|&i| open[i] != open[i + 1]) {
+            let ends = [i, i + 1].map(|i| direction(line, psi[i]));
+            let (cell, sign) = if open[i] {
+                ([1.0, 0.0], 1.0)
+            } else {
+                ([0.0, 1.0], -1.0)
+            };
+            let along = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
+            match follow_occluders(
+                self.tracer,
+                self.adjacency,
+                &point,
+                &along,
+                cell,
+                f32::INFINITY,
+                self.counts,
+            ) {
+                Some(OccluderEnd { edge, at, .. }) => {
+                    let d = along(at);
+                    let psi = line.pole.dot(d).atan2(line.middle.dot(d));
+                    found.push((psi, Boundary::Edge(edge), sign));
+                }
+                None => {
+                    self.counts.unresolved += 1;
+                    all_found = false;
+                }
+            }
+        }
+        let mut weights = vec![1.0; found.len() + 1];
+        if all_found {
+            for (weight, ends) in weights[1..].iter_mut().zip(found.windows(2)) {
+                *weight = 1.0 / self.chance_of_meeting(ends[0].0, ends[1].0);
+            }
+        }
+        for (i, &(psi, boundary, sign)) in found.iter().enumerate() {
+            let weight = sign * weights[i].max(weights[i + 1]);
+            out.extend(self.crossing(psi, boundary, weight));
+        }
+    }
+
+    /// See `bounce_lines::Line::run_weights`.
+    fn chance_of_meeting(&self, from: f64, to: f64) -> f64 {
+        let below = |psi: f64| self.sky.power_below(&self.seen.line, psi);
+        let chance = (below(to) - below(from)) * INNER_POINTS as f64;
+        chance.clamp(SMALLEST_CHANCE, 1.0)
+    }
+
+    fn crossing(&mut self, psi: f64, boundary: Boundary, weight: f64) -> Option<BounceCrossing> {
+        let line = &self.seen.line;
+        let d = direction(line, psi);
+        let lane = self.lane;
+        let x = self.vertices.position(self.tracer.geometry, lane);
+        let c = boundary.normal(self.tracer.geometry, x);
+        let per_side = line_weight(self.sky.poles(), line.axis, c, d)? * line.inverse_density;
+        let cos = lane_of(self.surface.n, lane).as_dvec3().dot(d).max(0.0);
+        let w = from_lanes(&[d.as_vec3(); LANES]);
+        let value = self.tracer.value_toward(self.vertices, self.surface, w);
+        let radiance = self.tracer.environment_radiance(self.environment, w);
+        let colour = lane_of(self.vertices.throughput, lane)
+            * lane_of(value, lane)
+            * lane_of(radiance, lane);
+        // One of two families is drawn.
+        let scale = 2.0 * weight * per_side * cos * FRAC_1_PI;
+        let brings = colour.as_dvec3() * scale;
+        if !brings.is_finite() {
+            self.counts.not_finite += 1;
+            return None;
+        }
+        Some(BounceCrossing {
+            boundary,
+            lane: lane as u8,
+            in_sky: true,
+            local: d.to_array(),
+            radiance_per_side: brings.as_vec3().to_array(),
+        })
+    }
+}
