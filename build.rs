@@ -4,8 +4,11 @@
 mod adjoint;
 #[path = "build/embree.rs"]
 mod embree;
+#[path = "build/shim.rs"]
+mod shim;
 
 fn main() {
+    println!("cargo::rerun-if-changed=build/shim.rs");
     embree::build();
     adjoint::derive_adjoints();
 }
