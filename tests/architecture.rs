@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
 /// Each module may use those before it.
-const ORDER: [&str; 11] = [
-    "lanes", "scene", "trace", "kernels", "adjoint", "warp", "paths", "gradient", "methods",
-    "output", "cli",
+const ORDER: [&str; 12] = [
+    "lanes", "picture", "scene", "trace", "kernels", "adjoint", "warp", "paths", "gradient",
+    "methods", "output", "cli",
 ];
 
 /// Modules that may use less than the order allows.
-const ONLY: [(&str, &[&str]); 1] = [("kernels", &["lanes", "kernels"])];
+const ONLY: [(&str, &[&str]); 2] = [
+    ("picture", &["picture"]),
+    ("kernels", &["lanes", "kernels"]),
+];
 
 /// Where the compiler's promises are made by hand.
 const UNSAFE: [&str; 1] = ["trace"];
