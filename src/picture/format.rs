@@ -34,12 +34,17 @@ impl Format {
 /// What to say of contents that nothing here reads.
 pub(super) fn unknown(file: &Path) -> String {
     let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let more = if cfg!(feature = "oiio") {
+        "and whatever OpenImageIO knows"
+    } else {
+        "and more in a build with `--features oiio`"
+    };
     match extension {
         Some(e) if EXTENSIONS.contains(&e.as_str()) => {
             format!(
                 "its contents are not what its name says: neither .{e} nor another known format"
             )
         }
-        _ => "not a known format: EXR, PNG, JPEG, HDR and PFM are".to_string(),
+        _ => format!("not a known format: EXR, PNG, JPEG, HDR and PFM are, {more}"),
     }
 }

@@ -1,11 +1,16 @@
 //! Pictures from files: textures, environment maps, target images.
 //!
-//! What a file holds decides how it is read, not what it is called.
+//! EXR, PNG, JPEG, Radiance HDR and PFM are read by what is built in; with the feature `oiio`, other
+//! formats by OpenImageIO. What a file holds decides which, not what it is called.
 
 mod error;
 mod exr;
+#[cfg(feature = "oiio")]
+mod ffi;
 mod format;
 mod jpeg_end;
+#[cfg(feature = "oiio")]
+pub mod oiio;
 mod pfm;
 mod png_jpeg_hdr;
 mod size;
@@ -61,8 +66,8 @@ pub fn read(file: &Path, colours: Colours) -> Result<Picture, PictureError> {
     decode(&error::read_file(file)?, file, colours)
 }
 
-/// As [`read`], but the `bytes` of `file` have been read already. The file's name is for
-/// errors.
+/// As [`read`], but the `bytes` of `file` have been read already. The file's name is for errors; and for
+/// OpenImageIO, which opens it anew.
 ///
 /// # Errors
 ///
@@ -77,6 +82,9 @@ pub fn decode(bytes: &[u8], file: &Path, colours: Colours) -> Result<Picture, Pi
         Some(Format::Jpeg) => png_jpeg_hdr::jpeg(bytes, colours),
         Some(Format::Hdr) => png_jpeg_hdr::hdr(bytes),
         Some(Format::Pfm) => pfm::decode(bytes),
+        #[cfg(feature = "oiio")]
+        None => return oiio::read(file, colours),
+        #[cfg(not(feature = "oiio"))]
         None => Err(format::unknown(file)),
     };
     picture
