@@ -435,7 +435,7 @@ impl Finder<'_> {
             let index = std::array::from_fn(|l| {
                 PROBE_INDEX + index[0] * 4 + (number * LANES / 2 + l / 2) as u32
             });
-            let radiance =
+            let (radiance, _) =
                 self.tracer
                     .radiance_along(rays, depth, with_emission, stream, &index, self.counts);
             for (i, found) in group.iter().enumerate() {

@@ -21,7 +21,7 @@ use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
 use crate::warp::resolve::{Crossing, Unresolved, between};
 use crate::warp::walk::Arc;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
 const PROBE_PIXELS: f64 = 1e-3;
@@ -34,12 +34,16 @@ pub struct LatticeImage {
 }
 
 /// A crossing before its jump is known.
-struct Candidate {
+struct Candidate<'a> {
     boundary: Boundary,
-    axis: usize,
     at: [f64; 2],
     /// Number of crossings it stands for.
     count: u32,
+    /// Where it was found, and where in that: 0 to 1.
+    cell: Cell<'a>,
+    s: f64,
+    /// Not an edge within what is seen.
+    is_silhouette: bool,
 }
 
 /// The crossings between all neighbours for which `moves(a, b)` says that the boundary between their triangles can move.
@@ -77,29 +81,36 @@ pub fn find(
                             continue;
                         }
                     }
-                    let start = [tile.position(0, column), tile.position(1, row)];
                     let cell = Cell {
                         tracer,
                         adjacency,
                         tile,
-                        start,
+                        start: [tile.position(0, column), tile.position(1, row)],
+                        length: tile.step[axis],
                         axis,
+                        triangles: [a, b],
+                        weight,
                     };
-                    match cell.crossings([a, b], choice) {
-                        Ok(found) => {
-                            candidates.extend(found.into_iter().flatten().map(|c| Candidate {
-                                count: c.count * weight,
-                                ..c
-                            }))
-                        }
+                    match cell.crossings(choice) {
+                        Ok(found) => candidates.extend(found.into_iter().flatten()),
                         Err(Unresolved) => counts.unresolved += 1,
                     }
                 }
             }
         }
     }
-    probe(tracer, tile, &candidates, counts)
+    let mut found = Vec::new();
+    for _ in 0..ROUNDS {
+        candidates = probe(tracer, tile, &candidates, &mut found, counts);
+        if candidates.is_empty() {
+            break;
+        }
+    }
+    found
 }
+
+/// Silhouettes behind one another that are looked for in one cell.
+const ROUNDS: usize = 4;
 
 /// Of the cells whose ends look alike one in this many is searched, and stands for all.
 const UNLIKELY: u32 = 8;
@@ -112,67 +123,105 @@ fn beside(tile: &Tile, axis: usize) -> f64 {
     PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
 }
 
-/// The interval between two neighbours.
+/// The interval between two neighbours, or a part of it.
+#[derive(Clone, Copy)]
 struct Cell<'a> {
     tracer: &'a Tracer<'a>,
     adjacency: &'a Adjacency,
     tile: &'a Tile,
     start: [f64; 2],
+    /// Pixels along `axis`.
+    length: f64,
     axis: usize,
+    /// What its ends see.
+    triangles: [u32; 2],
+    /// How many cells it stands for.
+    weight: u32,
 }
 
-impl Cell<'_> {
+impl<'a> Cell<'a> {
+    /// Film position and direction at `s`.
+    fn at(&self, s: f64) -> ([f64; 2], DVec3) {
+        let mut at = self.start;
+        at[self.axis] += s * self.length;
+        (at, dvec3(self.tracer.camera.direction(at[0], at[1])))
+    }
+
     /// What lies between the triangles seen at its ends, as far as it lies in the tile.
-    fn crossings(
-        &self,
-        triangles: [u32; 2],
-        choice: f64,
-    ) -> Result<[Option<Candidate>; 2], Unresolved> {
-        let camera = &self.tracer.camera;
-        let axis = self.axis;
-        let direction = |along: f64| {
-            let mut at = self.start;
-            at[axis] += along * self.tile.step[axis];
-            (at, dvec3(camera.direction(at[0], at[1])))
-        };
+    fn crossings(&self, choice: f64) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
         let arc = Arc {
-            origin: camera.origin.as_dvec3(),
-            a: direction(0.0).1,
-            b: direction(1.0).1,
+            origin: self.tracer.camera.origin.as_dvec3(),
+            a: self.at(0.0).1,
+            b: self.at(1.0).1,
         };
         let found = between(
             self.tracer.geometry,
             self.adjacency,
             &arc,
-            triangles,
+            self.triangles,
             choice,
-            2.0 * beside(self.tile, axis) / self.tile.step[axis],
+            2.0 * beside(self.tile, self.axis) / self.length,
         )?;
-        Ok(found.map(|crossing| {
+        let [silhouette, ridge] = found;
+        let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
             let Crossing { boundary, s, count } = crossing?;
-            let (at, _) = direction(s);
+            let (at, _) = self.at(s);
             self.tile.contains(at[0], at[1]).then_some(Candidate {
                 boundary,
-                axis,
                 at,
-                count,
+                count: count * self.weight,
+                cell: *self,
+                s,
+                is_silhouette,
             })
-        }))
+        };
+        Ok([candidate(silhouette, true), candidate(ridge, false)])
+    }
+
+    /// The silhouettes in the parts on either side of `s`, beside which `seen` is seen: where that is not what the ends
+    /// see, something else ends in between.
+    fn rest(&self, s: f64, seen: [u32; 2], counts: &mut Counts) -> Vec<Candidate<'a>> {
+        let beside = beside(self.tile, self.axis) / self.length;
+        let [a, b] = self.triangles;
+        let [before, after] = seen;
+        let parts = [
+            (0.0, s - beside, [a, before]),
+            (s + beside, 1.0, [after, b]),
+        ];
+        let mut rest = Vec::new();
+        for (from, to, triangles) in parts {
+            if triangles[0] == triangles[1] || from >= to {
+                continue;
+            }
+            let part = Cell {
+                start: self.at(from).0,
+                length: (to - from) * self.length,
+                triangles,
+                ..*self
+            };
+            match part.crossings(0.0) {
+                // Edges within what is seen were chosen for the whole cell already.
+                Ok([silhouette, _]) => rest.extend(silhouette),
+                Err(Unresolved) => counts.unresolved += 1,
+            }
+        }
+        rest
     }
 }
 
-/// Looks on both sides of each candidate; those without a jump are dropped.
-fn probe(
+/// Looks on both sides of each candidate; those with a jump are added to `found`. Returns what else must lie in their cells.
+fn probe<'a>(
     tracer: &Tracer,
     tile: &Tile,
-    candidates: &[Candidate],
+    candidates: &[Candidate<'a>],
+    found: &mut Vec<FilmCrossing>,
     counts: &mut Counts,
-) -> Vec<FilmCrossing> {
-    let mut found = Vec::new();
+) -> Vec<Candidate<'a>> {
+    let mut rest = Vec::new();
     for (number, group) in candidates.chunks(LANES / 2).enumerate() {
         let mut directions = [Vec3::Z; LANES];
         for (i, candidate) in group.iter().enumerate() {
-            let axis = candidate.axis;
+            let axis = candidate.cell.axis;
             let beside = beside(tile, axis);
             for (k, side) in [-beside, beside].into_iter().enumerate() {
                 let mut at = candidate.at;
@@ -188,7 +237,8 @@ fn probe(
             far: tracer.camera.far_clip,
         };
         let index = std::array::from_fn(|l| PROBE_INDEX + (number * LANES / 2 + l / 2) as u32);
-        let radiance = to_rgb(tracer.radiance_along(rays, 0, true, &tile.stream, &index, counts));
+        let (radiance, seen) = tracer.radiance_along(rays, 0, true, &tile.stream, &index, counts);
+        let radiance = to_rgb(radiance);
         for (i, candidate) in group.iter().enumerate() {
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
             let jump: Rgb =
@@ -196,19 +246,20 @@ fn probe(
             if jump.iter().any(|j| !j.is_finite()) {
                 counts.not_finite += 1;
             } else if jump != [0.0; 3] {
-                let Candidate {
-                    boundary, axis, at, ..
-                } = *candidate;
                 found.push(FilmCrossing {
-                    boundary,
-                    axis: axis as u8,
-                    at,
+                    boundary: candidate.boundary,
+                    axis: candidate.cell.axis as u8,
+                    at: candidate.at,
                     jump,
                 });
             }
+            if candidate.is_silhouette {
+                let seen = [seen[2 * i], seen[2 * i + 1]];
+                rest.extend(candidate.cell.rest(candidate.s, seen, counts));
+            }
         }
     }
-    found
+    rest
 }
 
 /// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.

@@ -375,7 +375,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Radiance along rays that lead to vertex `depth` of a path, with what they find emitting there or without it. For
+    /// Radiance along rays, and the triangles they meet, that lead to vertex `depth` of a path, with what they find emitting there or without it. For
     /// looking beside silhouettes, so no silhouettes are sought.
     #[allow(clippy::too_many_arguments)]
     pub fn radiance_along(
@@ -386,7 +386,7 @@ impl Tracer<'_> {
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
-    ) -> V3<Lane> {
+    ) -> (V3<Lane>, [u32; LANES]) {
         let plain = Tracer {
             adjacency: None,
             ..*self
@@ -403,6 +403,10 @@ impl Tracer<'_> {
             &mut store,
         );
         counts.probe += probed.rays();
-        plain.radiance(&store, &store.vertices)
+        let first = store.vertices.first();
+        (
+            plain.radiance(&store, &store.vertices),
+            first.map_or([NO_TRIANGLE; LANES], |v| v.triangle),
+        )
     }
 }
