@@ -230,7 +230,7 @@ fn surface_cases() -> Vec<Case> {
         bsdf("bitmap of no file", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"filename\" value=\"nope.png\"/></texture>", &["s.xml:4:1", "nope.png"]),
         bsdf("unknown wrap mode", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"wrap_mode\" value=\"repat\"/></texture>", &["s.xml:4:1", "\"repeat\""]),
         bsdf("unknown filter", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"filter_type\" value=\"cubic\"/></texture>", &["s.xml:4:1", "bilinear, nearest"]),
-        inside("colour and number", "<texture type=\"checkerboard\" id=\"t\"/><bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>\n<bsdf type=\"roughconductor\"><ref id=\"t\" name=\"alpha\"/></bsdf>", &["s.xml:3:30", "both as a colour and as a number"]),
+        inside("colour and number", "<texture type=\"checkerboard\" id=\"t\"/><bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>\n<bsdf type=\"roughconductor\"><ref id=\"t\" name=\"alpha\"/></bsdf>", &["s.xml:3:29", "both as a colour and as a number"]),
         inside("shared with emission", "<texture type=\"checkerboard\" id=\"t\"><float name=\"color0\" value=\"5\"/></texture><shape type=\"cube\"><emitter type=\"area\"><ref id=\"t\" name=\"radiance\"/></emitter></shape>\n<bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>", &["s.xml:3:22", "between 0 and 1", "5"]),
         inside("texture on a shape", "<shape type=\"cube\">\n<texture type=\"checkerboard\"/></shape>", &["s.xml:3:1", "cannot stand inside"]),
         inside("wrong texture in the scene", "<texture type=\"checkerboard\" id=\"t\">\n<rgb name=\"color0\" value=\"-1\"/></texture>", &["s.xml:2:1", "at least 0"]),
