@@ -1,25 +1,23 @@
-//! Makes the meshes of `scenes/`: `cargo run --release --example make_meshes -- scenes/meshes`.
+//! Makes the meshes of `scenes/` and of `scenes/materials/`: `cargo run --release --example make_meshes -- scenes`.
 
+#[path = "shared/mesh.rs"]
+mod mesh;
+
+use mesh::{Mesh, Point};
 use std::f64::consts::TAU;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-type Point = [f64; 3];
-
 fn main() -> std::io::Result<()> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes/meshes".into()));
+    let scenes = PathBuf::from(std::env::args().nth(1).unwrap_or("scenes".into()));
+    let folder = scenes.join("meshes");
+    let materials = scenes.join("materials/meshes");
     std::fs::create_dir_all(&folder)?;
-    write_binary(&folder.join("knot.ply"), &tube(200, 20, 0.11, trefoil))?;
-    write_binary(
-        &folder.join("ring.ply"),
-        &tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]),
-    )?;
-    write_ascii(&folder.join("wedge.ply"), &wedge())
-}
-
-struct Mesh {
-    points: Vec<Point>,
-    triangles: Vec<[usize; 3]>,
+    std::fs::create_dir_all(&materials)?;
+    tube(200, 20, 0.11, trefoil).write_binary(&folder.join("knot.ply"))?;
+    tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]).write_binary(&folder.join("ring.ply"))?;
+    write_ascii(&folder.join("wedge.ply"), &wedge())?;
+    write_ball(&materials.join("ball.ply"), 50, 50)?;
+    write_ball(&materials.join("gem.ply"), 12, 7)
 }
 
 /// A trefoil knot that fits into the unit ball.
@@ -98,31 +96,8 @@ fn unit(a: Point) -> Point {
     a.map(|x| x / length)
 }
 
-fn header(format: &str, mesh: &Mesh) -> String {
-    format!(
-        "ply\nformat {format} 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-        mesh.points.len(),
-        mesh.triangles.len()
-    )
-}
-
-fn write_binary(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut bytes = header("binary_little_endian", mesh).into_bytes();
-    for x in mesh.points.iter().flatten() {
-        bytes.write_all(&(*x as f32).to_le_bytes())?;
-    }
-    for triangle in &mesh.triangles {
-        bytes.push(3);
-        for i in triangle {
-            bytes.write_all(&(*i as i32).to_le_bytes())?;
-        }
-    }
-    std::fs::write(path, bytes)
-}
-
 fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
-    let mut text = header("ascii", mesh);
+    let mut text = mesh.header("ascii");
     for [x, y, z] in &mesh.points {
         text += &format!("{x} {y} {z}\n");
     }
@@ -130,4 +105,48 @@ fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
         text += &format!("3 {a} {b} {c}\n");
     }
     std::fs::write(path, text)
+}
+
+/// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each vertex has its normal
+/// (its place) and texture coordinates: u once around from +x by +y, v from 0 at +z to 1 at -z.
+fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
+    let mut triangles = Vec::new();
+    for j in 0..down {
+        for i in 0..around {
+            let at = |i: usize, j: usize| j * (around + 1) + i;
+            let (a, b, c, d) = (at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j));
+            if j + 1 < down {
+                triangles.push([a, b, c]);
+            }
+            if j > 0 {
+                triangles.push([a, c, d]);
+            }
+        }
+    }
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        (around + 1) * (down + 1),
+        triangles.len()
+    )
+    .into_bytes();
+    for j in 0..=down {
+        for i in 0..=around {
+            let (u, v) = (i as f64 / around as f64, j as f64 / down as f64);
+            let ((sin_phi, cos_phi), (sin_theta, cos_theta)) =
+                ((TAU * u).sin_cos(), (TAU / 2.0 * v).sin_cos());
+            let n = [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta];
+            for x in n.iter().chain(&n).chain(&[u, v]) {
+                bytes.extend((*x as f32).to_le_bytes());
+            }
+        }
+    }
+    for triangle in &triangles {
+        bytes.push(3);
+        for i in triangle {
+            bytes.extend((*i as i32).to_le_bytes());
+        }
+    }
+    std::fs::write(path, bytes)
 }

@@ -9,9 +9,9 @@ use common::scenes::*;
 use glam::{Vec3, vec3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use warpath::lanes::{LANES, Lane};
+use warpath::paths::bounce::cosine_direction;
 use warpath::paths::lights::Lights;
 use warpath::paths::random::Stream;
-use warpath::paths::tracer::cosine_direction;
 use warpath::scene::Scene;
 use warpath::trace::geometry::Geometry;
 
@@ -169,7 +169,7 @@ fn luminance([r, g, b]: [f32; 3]) -> f64 {
 fn lights_are_picked_by_power() {
     let scene = lamps();
     let geometry = Geometry::new(&scene);
-    let lights = Lights::new(&scene, &geometry);
+    let lights = Lights::new(&scene, &geometry, false);
     let mut power = vec![0.0; scene.area_lights.len()];
     for (light, power) in scene.area_lights.iter().zip(&mut power) {
         let mesh = &scene.meshes[light.mesh];
@@ -202,7 +202,7 @@ fn lights_are_picked_by_power() {
 fn points_cover_the_lights() {
     let scene = lamps();
     let geometry = Geometry::new(&scene);
-    let lights = Lights::new(&scene, &geometry);
+    let lights = Lights::new(&scene, &geometry, false);
     let range = geometry.first_triangle[1] as usize..geometry.triangles.len();
     // Each triangle is cut at the middles of its sides into four equal ones.
     let mut counts = vec![0; range.len() * 4];

@@ -114,7 +114,7 @@ fn numbers(d: &SceneDifferential) -> impl Iterator<Item = f64> + '_ {
 fn both_sides(scene: &Scene, direction: &Direction, weight: &Image, method: Method) -> [f64; 3] {
     let settings = Settings {
         standard_error: true,
-        ..settings(scene, method, 16, 17)
+        ..settings(scene, method, 16, 4)
     };
     let result = forward(scene, &settings, direction, &Quiet).expect("a gradient image");
     let (image, weights) = (flat(&result.gradient), flat(weight));

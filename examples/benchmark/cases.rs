@@ -65,13 +65,14 @@ pub struct Case {
 }
 
 impl Case {
-    /// What `-D rfilter=` takes.
-    pub fn filter_plugin(&self) -> &str {
-        if self.filter == "gauss" {
+    /// What `-D` takes.
+    pub fn filter_define(&self) -> String {
+        let plugin = if self.filter == "gauss" {
             "gaussian"
         } else {
             &self.filter
-        }
+        };
+        format!("rfilter={plugin}")
     }
 
     /// The best reparameterisation that the peers' figures have for this scene, and its efficiency.

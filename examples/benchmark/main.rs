@@ -6,12 +6,13 @@
 
 mod cases;
 mod process;
-mod statistics;
+mod references;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use cases::{Case, Options};
-use process::Program;
-use statistics::{Accuracy, Reference, median};
-use std::path::PathBuf;
+use shared::accuracy::Accuracy;
+use shared::program::{Program, median};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -44,10 +45,10 @@ struct Tables {
 
 impl Tables {
     fn measure(&mut self, program: &Program, case: &Case, options: &Options) -> Result<()> {
-        let reference = Reference::read(program, case, options)?;
+        let reference = references::read(program, case, options)?;
         let label = format!("{} | {}", case.name, case.filter);
         for &spp in &options.spp {
-            let runs = program.forward(case, "reparam", spp, options.runs)?;
+            let runs = process::forward(program, case, "reparam", spp, options.runs)?;
             let accuracy = Accuracy::new(&runs, &reference)?;
             let seconds = median(runs.iter().map(|r| r.seconds));
             let efficiency = 1.0 / (accuracy.error.powi(2) * seconds);
@@ -67,7 +68,7 @@ impl Tables {
             }
         }
         let spp = options.spp[options.spp.len() / 2];
-        let runs = program.forward(case, "interior", spp, options.runs)?;
+        let runs = process::forward(program, case, "interior", spp, options.runs)?;
         let wrong = Accuracy::new(&runs, &reference)?;
         self.interior.push(format!(
             "{label} | {spp} | {:.3} | {:+.3} | {:.4} | {}",
@@ -77,7 +78,7 @@ impl Tables {
             wrong.z_cells()
         ));
         for &spp in &options.spp {
-            let runs = program.backward(case, spp, options.runs, &reference)?;
+            let runs = process::backward(program, case, spp, options.runs, &reference)?;
             let seconds = median(runs.iter().map(|r| r.seconds));
             self.backward.push(format!(
                 "{label} | {} | {spp} | {seconds:.3} | {} | {:.3} | {:.3}",
@@ -128,8 +129,4 @@ impl Tables {
             .iter()
             .for_each(|case| println!("Left out: {case}"));
     }
-}
-
-fn scratch() -> PathBuf {
-    PathBuf::from("out/benchmark")
 }

@@ -1,6 +1,7 @@
 //! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
 
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::texture::Lookup;
 use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
@@ -11,20 +12,35 @@ pub struct Wanted {
     pub camera: bool,
     /// Per texture.
     pub texels: Vec<bool>,
+    pub to_uv: Vec<bool>,
+    /// The environment map's rotation and scale.
+    pub environment: bool,
+    pub delta_lights: bool,
+    /// Whether an index of refraction that bends rays is wanted.
+    pub bends: bool,
 }
 
 impl Wanted {
-    pub fn new(request: &SceneDifferential) -> Self {
+    pub fn new(scene: &Scene, request: &SceneDifferential) -> Self {
         Self {
             mesh: request.positions.iter().map(Option::is_some).collect(),
             camera: request.camera.is_some(),
             texels: request.texels.iter().map(Option::is_some).collect(),
+            to_uv: request.to_uv.iter().map(Option::is_some).collect(),
+            environment: request.environment.is_some(),
+            delta_lights: request.delta_lights.iter().any(Option::is_some),
+            bends: request.bends(scene),
         }
     }
 
     /// Whether any colour is wanted.
     pub fn colours(&self) -> bool {
-        self.texels.contains(&true)
+        self.texels.contains(&true) || self.to_uv.contains(&true)
+    }
+
+    /// Whether rays move with what is wanted, so that everything along a path does.
+    pub fn attached(&self) -> bool {
+        self.geometry() || self.bends
     }
 
     /// Whether any vertex or the camera is wanted.
@@ -86,6 +102,13 @@ pub struct CameraSum {
     pub tan_half_x_fov: f64,
 }
 
+/// The environment map's cotangents.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EnvironmentSum {
+    pub rotation: DVec3,
+    pub scale: f64,
+}
+
 /// Where one tile's sweep adds to. Its dense scratch is used again by the next tile.
 pub struct TileSums {
     pub positions: SparseVectors,
@@ -95,6 +118,10 @@ pub struct TileSums {
     /// The number of the first texel of each texture.
     pub first_texel: Vec<u32>,
     pub camera: CameraSum,
+    pub environment: EnvironmentSum,
+    pub delta_lights: Vec<DVec3>,
+    /// Per texture.
+    pub to_uv: Vec<[f64; 6]>,
 }
 
 /// One tile's sums, ready to be added to the film's.
@@ -103,6 +130,9 @@ pub struct TileGradient {
     normals: Vec<(u32, Vec3)>,
     texels: Vec<(u32, Vec3)>,
     camera: CameraSum,
+    environment: EnvironmentSum,
+    delta_lights: Vec<DVec3>,
+    to_uv: Vec<[f64; 6]>,
 }
 
 impl TileSums {
@@ -118,6 +148,24 @@ impl TileSums {
             }),
             first_texel: first_texels(scene),
             camera: CameraSum::default(),
+            environment: EnvironmentSum::default(),
+            delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
+            to_uv: vec![[0.0; 6]; scene.textures.len()],
+        }
+    }
+
+    /// Adds to the texels of a texture and its `to_uv`, as far as they are wanted.
+    pub fn add_texture(&mut self, wanted: &Wanted, texture: usize, found: &Lookup, bar: Vec3) {
+        for (&texel, weight) in found.texels.iter().zip(found.weights) {
+            if weight != 0.0 {
+                self.add_texel(wanted, texture, texel, bar * weight);
+            }
+        }
+        if wanted.to_uv[texture] && bar.is_finite() {
+            let sum = &mut self.to_uv[texture];
+            for (s, v) in sum.iter_mut().zip(found.to_uv_bar(bar)) {
+                *s += f64::from(v);
+            }
         }
     }
 
@@ -135,6 +183,15 @@ impl TileSums {
             normals: self.normals.drain(),
             texels: self.texels.drain(),
             camera: std::mem::take(&mut self.camera),
+            environment: std::mem::take(&mut self.environment),
+            to_uv: {
+                let zeros = vec![[0.0; 6]; self.to_uv.len()];
+                std::mem::replace(&mut self.to_uv, zeros)
+            },
+            delta_lights: {
+                let zeros = vec![DVec3::ZERO; self.delta_lights.len()];
+                std::mem::replace(&mut self.delta_lights, zeros)
+            },
         }
     }
 }
@@ -145,6 +202,9 @@ pub struct FilmSums {
     normals: Vec<DVec3>,
     texels: Vec<DVec3>,
     camera: CameraSum,
+    environment: EnvironmentSum,
+    delta_lights: Vec<DVec3>,
+    to_uv: Vec<[f64; 6]>,
 }
 
 impl FilmSums {
@@ -162,6 +222,9 @@ impl FilmSums {
                 }
             ],
             camera: CameraSum::default(),
+            environment: EnvironmentSum::default(),
+            delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
+            to_uv: vec![[0.0; 6]; scene.textures.len()],
         }
     }
 
@@ -181,6 +244,16 @@ impl FilmSums {
             *axis += value;
         }
         self.camera.tan_half_x_fov += tile.camera.tan_half_x_fov;
+        self.environment.rotation += tile.environment.rotation;
+        self.environment.scale += tile.environment.scale;
+        for (sum, value) in self.to_uv.iter_mut().zip(&tile.to_uv) {
+            for (s, v) in sum.iter_mut().zip(value) {
+                *s += v;
+            }
+        }
+        for (sum, value) in self.delta_lights.iter_mut().zip(&tile.delta_lights) {
+            *sum += value;
+        }
     }
 
     /// What was asked for, as the gradient of the scene.
@@ -208,6 +281,20 @@ impl FilmSums {
         for (texels, first) in gradient.texels.iter_mut().zip(first_texels(scene)) {
             for (i, texel) in texels.iter_mut().flatten().enumerate() {
                 *texel = self.texels[first as usize + i].as_vec3().to_array();
+            }
+        }
+        for (slot, sum) in gradient.to_uv.iter_mut().zip(&self.to_uv) {
+            if slot.is_some() {
+                *slot = Some(sum.map(|x| x as f32));
+            }
+        }
+        if let Some(environment) = &mut gradient.environment {
+            environment.rotation = self.environment.rotation.as_vec3();
+            environment.scale = self.environment.scale as f32;
+        }
+        for (slot, sum) in gradient.delta_lights.iter_mut().zip(&self.delta_lights) {
+            if slot.is_some() {
+                *slot = Some(sum.as_vec3());
             }
         }
         if gradient.camera.is_some() {

@@ -5,3 +5,5 @@ pub mod forward;
 pub mod motion;
 pub mod normals;
 pub mod reverse;
+mod reverse_crossings;
+mod reverse_lights;

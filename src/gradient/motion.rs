@@ -2,7 +2,12 @@
 
 use crate::lanes::{Dual, LANES, Lane, Real, V3};
 use crate::paths::camera::splat;
-use crate::scene::{CameraDifferential, Rgb, Scene, SceneDifferential};
+use crate::paths::environment as sky;
+use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::texture::Lookup;
+use crate::scene::{
+    CameraDifferential, Environment, EnvironmentDifferential, Rgb, Scene, SceneDifferential,
+};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
 use glam::Vec3;
 
@@ -17,8 +22,13 @@ pub struct Motion {
     pub camera: Option<CameraDifferential>,
     /// Per texture, per texel.
     pub texels: Vec<Option<Vec<Rgb>>>,
+    /// Per texture: the rows of `to_uv`.
+    pub to_uv: Vec<Option<[f32; 6]>>,
     /// Whether any of them changes.
     pub colours: bool,
+    /// Velocity of each light without an extent.
+    pub delta_lights: Vec<Vec3>,
+    pub environment: EnvironmentDifferential,
 }
 
 impl Motion {
@@ -56,13 +66,58 @@ impl Motion {
             moving_mesh,
             camera: tangent.camera,
             texels: tangent.texels.clone(),
-            colours: tangent.texels.iter().any(Option::is_some),
+            to_uv: tangent.to_uv.clone(),
+            colours: tangent.texels.iter().any(Option::is_some)
+                || tangent.to_uv.iter().any(Option::is_some),
+            delta_lights: tangent
+                .delta_lights
+                .iter()
+                .map(|m| m.unwrap_or_default())
+                .collect(),
+            environment: tangent.environment.unwrap_or_default(),
         }
+    }
+
+    /// How a texture changes where it is looked up.
+    pub fn texture(&self, texture: usize, found: &Lookup) -> Vec3 {
+        let mixed = self.texels[texture].as_ref();
+        let moved = self.to_uv[texture].as_ref();
+        mixed.map_or(Vec3::ZERO, |t| found.mix(t)) + moved.map_or(Vec3::ZERO, |m| found.moved(m))
     }
 
     /// How the colour of a constant texture changes.
     pub fn texel(&self, texture: usize) -> Rgb {
         self.texels[texture].as_ref().map_or([0.0; 3], |t| t[0])
+    }
+
+    /// The change of the environment's radiance along directions that change by `turning`.
+    pub fn sky_tangent(
+        &self,
+        scene: &Scene,
+        environment: &Environment,
+        direction: V3<Lane>,
+        turning: V3<Lane>,
+    ) -> V3<Lane> {
+        let texels = self.texels[environment.radiance].as_ref();
+        let Some(map) = &environment.map else {
+            return splat(texels.map_or(Vec3::ZERO, |t| Vec3::from(t[0])));
+        };
+        let texture = &scene.textures[environment.radiance];
+        from_lanes(&std::array::from_fn(|lane| {
+            let (d, turning) = (lane_of(direction, lane), lane_of(turning, lane));
+            let found = sky::lookup(texture, map, d);
+            let mixed: Vec3 = texels.map_or(Vec3::ZERO, |texels| {
+                let parts = found.texels.iter().zip(found.weights);
+                parts
+                    .map(|(&t, w)| Vec3::from(texels[t as usize]) * w)
+                    .sum()
+            });
+            // If the map turns by ω the direction turns by −ω as the map sees it.
+            let seen = turning - self.environment.rotation.cross(d);
+            let [u, v] = found.by_direction.map(|g| g.dot(seen));
+            let brighter = found.value * (self.environment.scale / map.scale);
+            mixed + brighter + found.by_uv[0] * u + found.by_uv[1] * v
+        }))
     }
 
     /// Whether the mesh of a triangle moves.

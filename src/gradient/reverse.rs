@@ -2,26 +2,25 @@
 //!
 //! No ray is traced. Each vertex is solved again from its stored ray, the generated adjoints of the kernels carry the
 //! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
-//! colour or the camera is added to the tile's sums.
+//! texel or the camera is added to the tile's sums.
 
 use super::accumulator::{TileSums, Wanted, sum_lanes};
-use super::forward::range;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
-use crate::adjoint::light::triangle_irradiance_adjoint;
+use crate::adjoint::interface::{consistent_normal_adjoint, interface_bounce_adjoint};
 use crate::adjoint::normal::{face_normal_adjoint, shading_normal_adjoint};
 use crate::adjoint::triangle::triangle_hit_adjoint;
-use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{Interface, RoughTransmission, consistent_normal};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
-use crate::paths::bounce_cells::BounceCrossing;
 use crate::paths::camera::splat;
-use crate::paths::store::{FilmCrossing, LightCrossing, TileStore, Vertices, lane_mask, masked};
-use crate::paths::tracer::{Tracer, from_lanes, lane_of};
-use crate::scene::Rgb;
-use crate::trace::geometry::{NO_TRIANGLE, gather};
-use crate::warp::boundary::{dvec3, vector};
+use crate::paths::environment as sky;
+use crate::paths::materials::slot_values;
+use crate::paths::rays::lane_of;
+use crate::paths::store::{TileStore, Vertices, lane_mask, masked};
+use crate::paths::tracer::Tracer;
+use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec3, Vec3};
 
 /// Runs adjoint sweeps over a tile's store.
@@ -33,26 +32,74 @@ pub struct ReverseSweep<'a> {
 }
 
 /// A vertex as it was, with what its adjoints need.
-struct Solved {
-    t: Lane,
-    b1: Lane,
-    b2: Lane,
-    x: V3<Lane>,
-    n: V3<Lane>,
-    ids: [[u32; 3]; LANES],
-    corners: [V3<Lane>; 3],
+pub(super) struct Solved<'a> {
+    pub vertices: &'a Vertices,
+    pub t: Lane,
+    pub b: [Lane; 2],
+    pub x: V3<Lane>,
+    /// Unit shading normal on the side the ray came from.
+    pub n: V3<Lane>,
+    /// The same before it was kept above the arriving ray's horizon.
+    raw_n: V3<Lane>,
+    /// Lanes whose normal was.
+    kept_above: u32,
+    pub ids: [[u32; 3]; LANES],
+    pub corners: [V3<Lane>; 3],
     smooth: u32,
+    /// Given if any lane is more than diffuse.
+    pub interface: Option<Interface<Lane>>,
 }
 
-/// Cotangents that a vertex hands to the one before it.
-#[derive(Clone, Copy)]
+/// Cotangents of a vertex, as they are collected.
+pub(super) struct VertexBars {
+    pub x: V3<Lane>,
+    pub n: V3<Lane>,
+    /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
+    pub direction: V3<Lane>,
+    pub throughput: V3<Lane>,
+    pub interface: Interface<Lane>,
+    /// Of the barycentrics.
+    pub b: [Lane; 2],
+}
+
+impl VertexBars {
+    fn zero() -> Self {
+        let (zero, none) = (Lane::splat(0.0), V3::splat(0.0));
+        Self {
+            x: none,
+            n: none,
+            direction: none,
+            throughput: none,
+            interface: Interface {
+                colour: none,
+                second: none,
+                eta: none,
+                k: none,
+                alpha: zero,
+            },
+            b: [zero; 2],
+        }
+    }
+
+    /// Adds the cotangents of an interface in the lanes of `bits`.
+    pub fn add_interface(&mut self, bits: u32, s: &Interface<Lane>) {
+        let zero = Lane::splat(0.0);
+        let sum = &mut self.interface;
+        sum.colour = sum.colour + masked(bits, s.colour);
+        sum.second = sum.second + masked(bits, s.second);
+        sum.eta = sum.eta + masked(bits, s.eta);
+        sum.k = sum.k + masked(bits, s.k);
+        sum.alpha = sum.alpha + <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
+    }
+}
+
+/// What a vertex hands to the one before it: the cotangents of the ray between them and of the throughput, and those that
+/// emission found by the bounce has for the earlier vertex itself.
 struct Chain {
     origin: V3<Lane>,
     direction: V3<Lane>,
     throughput: V3<Lane>,
-    /// Of the previous vertex's position and normal, from emission that its bounce found.
-    x: V3<Lane>,
-    n: V3<Lane>,
+    earlier: VertexBars,
 }
 
 impl Chain {
@@ -62,8 +109,7 @@ impl Chain {
             origin: zero,
             direction: zero,
             throughput: zero,
-            x: zero,
-            n: zero,
+            earlier: VertexBars::zero(),
         }
     }
 }
@@ -80,24 +126,17 @@ impl ReverseSweep<'_> {
         sums: &mut TileSums,
     ) {
         let path = store.path(packet);
-        let mut solved: [Option<Solved>; 2] = [None, None];
+        let mut next: Option<Solved> = None;
         let mut chain = Chain::zero();
         for (k, vertices) in path.iter().enumerate().rev() {
-            let here = solved[1].take().or_else(|| self.solve(vertices));
+            let here = next.take().or_else(|| self.solve(vertices));
             let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
-            chain = self.vertex(
-                store,
-                vertices,
-                here.as_ref(),
-                before.as_ref(),
-                radiance_bar,
-                chain,
-                sums,
-            );
-            solved[1] = before;
+            let pair = (here.as_ref(), before.as_ref());
+            chain = self.vertex(store, vertices, pair, radiance_bar, chain, sums);
+            next = before;
         }
         if self.wanted.camera {
-            let bits = path[0].hit;
+            let bits = path[0].hit | path[0].escaped;
             let camera = &self.tracer.camera;
             let (px, py) = camera.film_to_camera(u, v);
             let [x, y, z] = camera.axes.map(splat);
@@ -120,7 +159,7 @@ impl ReverseSweep<'_> {
         }
     }
 
-    fn solve(&self, vertices: &Vertices) -> Option<Solved> {
+    fn solve<'v>(&self, vertices: &'v Vertices) -> Option<Solved<'v>> {
         if vertices.hit == 0 {
             return None;
         }
@@ -136,26 +175,55 @@ impl ReverseSweep<'_> {
             let [n0, n1, n2] = geometry.gather_normals(&ids);
             n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
         }
+        let raw_n = n * vertices.facing;
+        let special = vertices.kinds.special();
+        let kept_above = special & smooth;
+        let n = if kept_above != 0 {
+            V3::select(lane_mask(kept_above), consistent_normal(raw_n, d), raw_n)
+        } else {
+            raw_n
+        };
+        let tracer = self.tracer;
+        let interface = (special != 0).then(|| {
+            let (triangle, kinds) = (&vertices.triangle, &vertices.kinds);
+            tracer
+                .materials
+                .interface(tracer.scene, geometry, triangle, kinds, [b1, b2])
+        });
         Some(Solved {
+            vertices,
             t,
-            b1,
-            b2,
+            b: [b1, b2],
             x: o + d * t,
-            n: n * vertices.facing,
+            n,
+            raw_n,
+            kept_above,
             ids,
             corners,
             smooth,
+            interface,
         })
     }
 
+    /// What rough plastics let through toward directions at cosine `cos_out`.
+    pub(super) fn transmission(&self, here: &Solved, cos_out: Lane) -> RoughTransmission<Lane> {
+        let cos_in = -(here.vertices.direction.normalize().dot(here.n));
+        self.tracer.materials.transmission(
+            self.tracer.scene,
+            self.tracer.geometry,
+            &here.vertices.triangle,
+            &here.vertices.kinds,
+            cos_in,
+            cos_out,
+        )
+    }
+
     /// One vertex: `after` holds the cotangents that the next vertex handed back.
-    #[allow(clippy::too_many_arguments)]
     fn vertex(
         &self,
         store: &TileStore,
         vertices: &Vertices,
-        here: Option<&Solved>,
-        before: Option<&Solved>,
+        (here, before): (Option<&Solved>, Option<&Solved>),
         radiance_bar: V3<Lane>,
         after: Chain,
         sums: &mut TileSums,
@@ -165,45 +233,36 @@ impl ReverseSweep<'_> {
             self.escape(vertices, radiance_bar, &mut back, sums);
         }
         let Some(here) = here else { return back };
-        let (mut x_bar, mut n_bar) = (after.x, after.n);
-        // T' = T·ρ·s of the next vertex.
-        let on = after.throughput * vertices.survival;
-        let mut reflectance_bar = on.times(vertices.throughput);
-        back.throughput = back.throughput + masked(vertices.hit, on.times(vertices.reflectance));
-
+        let mut bars = after.earlier;
+        self.bounce(
+            here,
+            [after.origin, after.direction, after.throughput],
+            &mut bars,
+        );
         if !self.tracer.lights.is_empty() {
-            self.emission(vertices, here, before, radiance_bar, &mut back, sums);
-            let (x, n, rho) = self.light_sample(vertices, here, radiance_bar, &mut back, sums);
-            (x_bar, n_bar, reflectance_bar) = (x_bar + x, n_bar + n, reflectance_bar + rho);
-        }
-        if self.wanted.colours() {
-            self.add_reflectance(vertices, reflectance_bar, sums);
-        }
-        if !self.wanted.geometry() {
-            return back;
-        }
-        if self.visibility {
-            self.crossings(
-                store,
-                vertices,
+            self.emission(
                 here,
+                before,
                 radiance_bar,
-                &mut x_bar,
-                &mut n_bar,
+                &mut bars,
+                &mut back.earlier,
                 sums,
             );
+            self.light_sample(here, radiance_bar, &mut bars, sums);
         }
-        // The next ray leaves from x along its local direction in this frame.
-        x_bar = x_bar + after.origin;
-        if vertices.survival.gt(Lane::splat(0.0)).any() {
-            let [lx, ly, lz] = vertices.local;
-            let (n, _, _, _) = direction_from_local_adjoint(here.n, lx, ly, lz, after.direction);
-            n_bar = n_bar + n;
+        self.delta_lights(store, here, radiance_bar, &mut bars, sums);
+        if self.visibility {
+            self.crossings(store, here, radiance_bar, &mut bars, sums);
         }
-        self.surface(vertices, here, x_bar, n_bar, &mut back, sums);
+        self.slots(here, &mut bars, sums);
+        back.throughput = back.throughput + masked(vertices.hit, bars.throughput);
+        if self.wanted.attached() {
+            self.surface(here, &bars, &mut back, sums);
+        }
         back
     }
 
+    /// Where paths leave the scene.
     fn escape(
         &self,
         vertices: &Vertices,
@@ -211,266 +270,141 @@ impl ReverseSweep<'_> {
         back: &mut Chain,
         sums: &mut TileSums,
     ) {
-        let radiance = self
+        let scene = self.tracer.scene;
+        let Some(environment) = &scene.environment else {
+            return;
+        };
+        let value = self
             .tracer
-            .scene
-            .environment
-            .as_ref()
-            .map_or([0.0; 3], |e| self.tracer.scene.constant(e.radiance));
-        let environment = splat(Vec3::from(radiance));
-        back.throughput = masked(vertices.escaped, radiance_bar.times(environment));
-        if let (true, Some(environment)) = (self.wanted.colours(), &self.tracer.scene.environment) {
-            let sum = sum_lanes(radiance_bar.times(vertices.throughput), vertices.escaped);
-            sums.add_texel(self.wanted, environment.radiance, 0, sum.as_vec3());
+            .environment_radiance(environment, vertices.direction);
+        back.throughput = masked(vertices.escaped, radiance_bar.times(value));
+        let value_bar = masked(vertices.escaped, radiance_bar.times(vertices.throughput));
+        let texture = environment.radiance;
+        let Some(map) = &environment.map else {
+            let sum = sum_lanes(value_bar, vertices.escaped);
+            sums.add_texel(self.wanted, texture, 0, sum.as_vec3());
+            return;
+        };
+        let mut direction_bar = [Vec3::ZERO; LANES];
+        for lane in (0..LANES).filter(|&l| vertices.escaped >> l & 1 == 1) {
+            let bar = lane_of(value_bar, lane);
+            let d = lane_of(vertices.direction, lane);
+            let found = sky::lookup(&scene.textures[texture], map, d);
+            for (&texel, weight) in found.texels.iter().zip(found.weights) {
+                sums.add_texel(self.wanted, texture, texel, bar * weight);
+            }
+            let [u, v] = found.by_uv.map(|by| by.dot(bar));
+            let turn = found.by_direction[0] * u + found.by_direction[1] * v;
+            direction_bar[lane] = turn;
+            if self.wanted.environment && turn.is_finite() && bar.is_finite() {
+                // The direction turns by −ω × d as the map sees it.
+                sums.environment.rotation -= d.cross(turn).as_dvec3();
+                sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);
+            }
+        }
+        if self.wanted.attached() {
+            back.direction = crate::paths::rays::from_lanes(&direction_bar);
         }
     }
 
-    /// See `forward::ForwardSweep::emission`.
-    fn emission(
+    /// The next ray and the next throughput, from their cotangents.
+    fn bounce(
         &self,
-        vertices: &Vertices,
         here: &Solved,
-        before: Option<&Solved>,
-        radiance_bar: V3<Lane>,
-        back: &mut Chain,
-        sums: &mut TileSums,
+        [origin, direction, throughput]: [V3<Lane>; 3],
+        bars: &mut VertexBars,
     ) {
-        let zero = Lane::splat(0.0);
-        let weight = vertices.emission_weight;
-        if !(weight.gt(zero) & lane_mask(vertices.hit)).any() {
+        let vertices = here.vertices;
+        let alive = vertices.survival.gt(Lane::splat(0.0));
+        if !alive.any() {
             return;
         }
-        let emitted = self.tracer.emission(vertices) * weight;
-        back.throughput = back.throughput + masked(vertices.hit, radiance_bar.times(emitted));
-        let by_radiance = radiance_bar.times(vertices.throughput) * weight;
-        if self.wanted.colours() {
-            for lane in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
-                let mesh = self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize]
-                    as usize;
-                if let Some(light) = self.tracer.lights.of_mesh[mesh]
-                    && self.tracer.sees_front(vertices, lane)
-                {
-                    let texture = self.tracer.scene.area_lights[light as usize].radiance;
-                    sums.add_texel(self.wanted, texture, 0, lane_of(by_radiance, lane));
-                }
+        let bits = alive.to_bits() & vertices.hit;
+        // T' = T·weight·survival.
+        let on = masked(bits, throughput * vertices.survival);
+        let weight_bar = on.times(vertices.throughput);
+        bars.throughput = bars.throughput + on.times(vertices.weight);
+        bars.x = bars.x + masked(bits, origin);
+        let direction = masked(bits, direction);
+        let [lx, ly, lz] = vertices.local;
+        let Some(interface) = &here.interface else {
+            bars.interface.colour = bars.interface.colour + weight_bar;
+            if self.wanted.attached() {
+                let (n, _, _, _) = direction_from_local_adjoint(here.n, lx, ly, lz, direction);
+                bars.n = bars.n + masked(bits, n);
             }
-        }
-        let (Some(from), true) = (before, self.wanted.geometry()) else {
             return;
         };
-        let [q0, q1, q2] = here.corners;
-        let irradiance = crate::kernels::light::triangle_irradiance(
-            from.x, from.n, q0, q1, q2, here.b1, here.b2,
+        let m = vertices.kinds.masks();
+        let (n, arriving, _, _, _, s, _) = interface_bounce_adjoint(
+            here.n,
+            vertices.direction,
+            lx,
+            ly,
+            lz,
+            *interface,
+            self.transmission(here, lz),
+            lane_mask(vertices.lobes.diffuse),
+            lane_mask(vertices.lobes.reflected),
+            lane_mask(vertices.lobes.refracted),
+            m.conductor,
+            m.plastic,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+            m.entering,
+            (direction, weight_bar * vertices.inverse_density),
         );
-        let total = radiance_bar.times(vertices.throughput).times(emitted);
-        let emits = weight.gt(zero) & irradiance.gt(zero) & lane_mask(vertices.hit);
-        let relative_bar = total.x + total.y + total.z;
-        let irradiance_bar = <Lane as Real>::select(emits, relative_bar / irradiance, zero);
-        let (x, n, q0, q1, q2, _, _) = triangle_irradiance_adjoint(
-            from.x,
-            from.n,
-            q0,
-            q1,
-            q2,
-            here.b1,
-            here.b2,
-            irradiance_bar,
-        );
-        let bits = emits.to_bits();
-        (back.x, back.n) = (masked(bits, x), masked(bits, n));
-        self.scatter(&vertices.triangle, &here.ids, [q0, q1, q2], bits, sums);
+        bars.n = bars.n + masked(bits, n);
+        bars.direction = bars.direction + masked(bits, arriving);
+        bars.add_interface(bits, &s);
     }
 
-    /// Returns the cotangents of position, normal and reflectance.
-    fn light_sample(
-        &self,
-        vertices: &Vertices,
-        here: &Solved,
-        radiance_bar: V3<Lane>,
-        back: &mut Chain,
-        sums: &mut TileSums,
-    ) -> (V3<Lane>, V3<Lane>, V3<Lane>) {
-        let zero = V3::splat(0.0);
-        let light = &vertices.light;
-        let lit = light.weight.gt(Lane::splat(0.0));
-        if !lit.any() {
-            return (zero, zero, zero);
-        }
-        let bits = lit.to_bits();
-        let emitted = self.tracer.light_radiance(&light.patch);
-        let scale = light.irradiance * light.weight;
-        let by_reflectance = masked(
-            bits,
-            radiance_bar.times(vertices.throughput).times(emitted) * scale,
-        );
-        let by_throughput = masked(
-            bits,
-            radiance_bar.times(vertices.reflectance).times(emitted) * scale,
-        );
-        back.throughput = back.throughput + by_throughput;
-        let colour = radiance_bar
-            .times(vertices.throughput)
-            .times(vertices.reflectance);
-        if self.wanted.colours() {
-            let by_radiance = colour * scale;
-            for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
-                let index = self.tracer.lights.patches[light.patch[lane] as usize].light as usize;
-                let texture = self.tracer.scene.area_lights[index].radiance;
-                sums.add_texel(self.wanted, texture, 0, lane_of(by_radiance, lane));
-            }
-        }
-        if !self.wanted.geometry() {
-            return (zero, zero, by_reflectance);
-        }
-        let by_irradiance = colour.times(emitted) * light.weight;
-        let irradiance_bar = by_irradiance.x + by_irradiance.y + by_irradiance.z;
-        let (ids, [b1, b2]) =
-            self.tracer
-                .patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
-        let [q0, q1, q2] = gather(&ids, |v, _| self.tracer.geometry.positions[v as usize]);
-        let (x, n, q0, q1, q2, _, _) =
-            triangle_irradiance_adjoint(here.x, here.n, q0, q1, q2, b1, b2, irradiance_bar);
-        let triangle = light.patch.map(|p| self.light_triangle(p));
-        self.scatter(&triangle, &ids, [q0, q1, q2], bits, sums);
-        (masked(bits, x), masked(bits, n), by_reflectance)
-    }
-
-    /// Any triangle of the mesh that a patch belongs to.
-    fn light_triangle(&self, patch: u32) -> u32 {
-        let light = self.tracer.lights.patches[patch as usize].light as usize;
-        self.tracer.geometry.first_triangle[self.tracer.scene.area_lights[light].mesh]
-    }
-
-    fn add_reflectance(&self, vertices: &Vertices, bar: V3<Lane>, sums: &mut TileSums) {
-        let facing = vertices.facing.to_array();
-        for lane in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
-            let mesh =
-                self.tracer.geometry.mesh_of_triangle[vertices.triangle[lane] as usize] as usize;
-            let index = self.tracer.scene.meshes[mesh].material;
-            let is_lit = self.tracer.scene.materials[index].two_sided || facing[lane] > 0.0;
-            let colour = self.tracer.scene.materials[index].bsdf.colour();
-            if let (true, Some(texture)) = (is_lit, colour) {
-                sums.add_texel(self.wanted, texture, 0, lane_of(bar, lane));
-            }
-        }
-    }
-
-    /// Shadow edges and silhouettes over the hemisphere.
-    #[allow(clippy::too_many_arguments)]
-    fn crossings(
-        &self,
-        store: &TileStore,
-        vertices: &Vertices,
-        here: &Solved,
-        radiance_bar: V3<Lane>,
-        x_bar: &mut V3<Lane>,
-        n_bar: &mut V3<Lane>,
-        sums: &mut TileSums,
-    ) {
-        let lights = &store.light_crossings[range(vertices.crossings)];
-        let bounces = &store.bounce_crossings[range(vertices.bounce_crossings)];
-        if lights.is_empty() && bounces.is_empty() {
+    /// From what surfaces are made of to texels, and to where on the surface that is.
+    fn slots(&self, here: &Solved, bars: &mut VertexBars, sums: &mut TileSums) {
+        let tracer = self.tracer;
+        let is_textured = tracer.materials.any_texture && self.wanted.attached();
+        if !self.wanted.colours() && !is_textured {
             return;
         }
-        let (mut x, mut n) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
-        for crossing in lights {
-            let lane = crossing.lane as usize;
-            x[lane] +=
-                self.light_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
-        }
-        for crossing in bounces {
-            let lane = crossing.lane as usize;
-            let (dx, dn) =
-                self.bounce_crossing(vertices, crossing, here, lane_of(radiance_bar, lane), sums);
-            x[lane] += dx;
-            n[lane] += dn;
-        }
-        *x_bar = *x_bar + from_lanes(&x);
-        *n_bar = *n_bar + from_lanes(&n);
-    }
-
-    fn light_crossing(
-        &self,
-        vertices: &Vertices,
-        crossing: &LightCrossing,
-        here: &Solved,
-        bar: Vec3,
-        sums: &mut TileSums,
-    ) -> Vec3 {
-        let lane = crossing.lane as usize;
-        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices, lane_of(here.n, lane))
-        else {
-            return Vec3::ZERO;
-        };
-        let side_bar = bar.as_dvec3().dot(DVec3::from(weight));
-        let x = lane_of(here.x, lane).as_dvec3();
-        let geometry = self.tracer.geometry;
-        let (ids, [b1, b2]) = self.tracer.lights.patches[crossing.patch as usize]
-            .vertices_at(crossing.at[0] as f32, crossing.at[1] as f32);
-        let b = [1.0 - b1 as f64 - b2 as f64, b1 as f64, b2 as f64];
-        let y: DVec3 = ids
-            .iter()
-            .zip(b)
-            .map(|(&v, b)| geometry.positions[v as usize].as_dvec3() * b)
-            .sum();
-        let (o_bar, d_bar) =
-            crossing
-                .boundary
-                .side_adjoint(geometry, x, y - x, side_bar, |v, bar| {
-                    self.scatter_vertex(v, bar, sums)
+        let vertices = here.vertices;
+        let (b1, b2) = (here.b[0].to_array(), here.b[1].to_array());
+        let mut b_bar = bars.b.map(Lane::to_array);
+        let lanes = vertices.hit & !vertices.kinds.black;
+        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+            let slot_bars = slot_values(&bars.interface, lane);
+            let (scene, geometry) = (tracer.scene, tracer.geometry);
+            let (triangle, at) = (vertices.triangle[lane], [b1[lane], b2[lane]]);
+            tracer
+                .materials
+                .for_each_slot(scene, geometry, triangle, at, |s| {
+                    let bar = slot_bars[s.slot];
+                    sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
+                    for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
+                        sum[lane] += by.dot(bar);
+                    }
                 });
-        for (&v, b) in ids.iter().zip(b) {
-            self.scatter_vertex(v, d_bar * b, sums);
         }
-        finite(o_bar - d_bar)
-    }
-
-    fn bounce_crossing(
-        &self,
-        vertices: &Vertices,
-        crossing: &BounceCrossing,
-        here: &Solved,
-        bar: Vec3,
-        sums: &mut TileSums,
-    ) -> (Vec3, Vec3) {
-        let lane = crossing.lane as usize;
-        let Some(weight) = crossing.radiance_per_side(self.tracer, vertices) else {
-            return (Vec3::ZERO, Vec3::ZERO);
-        };
-        let side_bar = bar.as_dvec3().dot(DVec3::from(weight));
-        let (x, n) = (
-            lane_of(here.x, lane).as_dvec3(),
-            vector(lane_of(here.n, lane).as_dvec3()),
-        );
-        let [lx, ly, lz] = crossing.local;
-        let d = dvec3(direction_from_local(n, lx, ly, lz));
-        let (o_bar, d_bar) =
-            crossing
-                .boundary
-                .side_adjoint(self.tracer.geometry, x, d, side_bar, |v, bar| {
-                    self.scatter_vertex(v, bar, sums)
-                });
-        let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
-        (finite(o_bar), finite(dvec3(n_bar)))
+        bars.b = b_bar.map(Lane::new);
     }
 
     /// From position and normal to the triangle's vertices and the arriving ray.
-    fn surface(
-        &self,
-        vertices: &Vertices,
-        here: &Solved,
-        x_bar: V3<Lane>,
-        n_bar: V3<Lane>,
-        back: &mut Chain,
-        sums: &mut TileSums,
-    ) {
+    fn surface(&self, here: &Solved, bars: &VertexBars, back: &mut Chain, sums: &mut TileSums) {
+        let vertices = here.vertices;
         let (o, d) = (vertices.origin, vertices.direction);
         let [v0, v1, v2] = here.corners;
-        let n_bar = n_bar * vertices.facing;
         let zero = V3::splat(0.0);
+        let mut d_bar = bars.direction;
+        let mut n_bar = bars.n;
+        if here.kept_above != 0 {
+            let (n, direction) = consistent_normal_adjoint(here.raw_n, d, n_bar);
+            n_bar = V3::select(lane_mask(here.kept_above), n, n_bar);
+            d_bar = d_bar + masked(here.kept_above, direction);
+        }
+        let n_bar = n_bar * vertices.facing;
         let smooth = lane_mask(here.smooth);
         let mut v_bar = [zero; 3];
-        let (mut b1_bar, mut b2_bar) = (Lane::splat(0.0), Lane::splat(0.0));
+        let [mut b1_bar, mut b2_bar] = bars.b;
         if here.smooth != u32::MAX >> (32 - LANES) {
             let flat_bar = V3::select(smooth, zero, n_bar);
             v_bar = face_normal_adjoint(v0, v1, v2, flat_bar).into();
@@ -481,28 +415,29 @@ impl ReverseSweep<'_> {
                 n0,
                 n1,
                 n2,
-                here.b1,
-                here.b2,
+                here.b[0],
+                here.b[1],
                 V3::select(smooth, n_bar, zero),
             );
             let none = Lane::splat(0.0);
-            b1_bar = <Lane as Real>::select(smooth, b1, none);
-            b2_bar = <Lane as Real>::select(smooth, b2, none);
-            self.scatter_normals(vertices, here, [m0, m1, m2], sums);
+            b1_bar = b1_bar + <Lane as Real>::select(smooth, b1, none);
+            b2_bar = b2_bar + <Lane as Real>::select(smooth, b2, none);
+            self.scatter_normals(here, [m0, m1, m2], sums);
         }
-        let t_bar = d.dot(x_bar);
+        let t_bar = d.dot(bars.x);
         let (o_hit, d_hit, w0, w1, w2) =
             triangle_hit_adjoint(o, d, v0, v1, v2, (t_bar, b1_bar, b2_bar));
         for (sum, value) in v_bar.iter_mut().zip([w0, w1, w2]) {
             *sum = *sum + value;
         }
         self.scatter(&vertices.triangle, &here.ids, v_bar, vertices.hit, sums);
-        back.origin = masked(vertices.hit, x_bar + o_hit);
-        back.direction = masked(vertices.hit, x_bar * here.t + d_hit);
+        let hit = vertices.hit;
+        back.origin = back.origin + masked(hit, bars.x + o_hit);
+        back.direction = back.direction + masked(hit, bars.x * here.t + d_hit + d_bar);
     }
 
     /// Adds to the vertices of the triangles in the lanes of `bits`, where they are wanted.
-    fn scatter(
+    pub(super) fn scatter(
         &self,
         triangle: &[u32; LANES],
         ids: &[[u32; 3]; LANES],
@@ -529,13 +464,8 @@ impl ReverseSweep<'_> {
         }
     }
 
-    fn scatter_normals(
-        &self,
-        vertices: &Vertices,
-        here: &Solved,
-        bars: [V3<Lane>; 3],
-        sums: &mut TileSums,
-    ) {
+    fn scatter_normals(&self, here: &Solved, bars: [V3<Lane>; 3], sums: &mut TileSums) {
+        let vertices = here.vertices;
         for lane in (0..LANES).filter(|&l| here.smooth & vertices.hit & 1 << l != 0) {
             if self
                 .wanted
@@ -551,7 +481,7 @@ impl ReverseSweep<'_> {
         }
     }
 
-    fn scatter_vertex(&self, vertex: u32, bar: DVec3, sums: &mut TileSums) {
+    pub(super) fn scatter_vertex(&self, vertex: u32, bar: DVec3, sums: &mut TileSums) {
         // Vertices are numbered mesh by mesh.
         let mesh = self
             .tracer
@@ -564,49 +494,9 @@ impl ReverseSweep<'_> {
         }
     }
 
-    /// A film crossing, with the cotangent of what it adds at its place.
-    pub fn add_film_crossing(&self, crossing: &FilmCrossing, bar: Rgb, sums: &mut TileSums) {
-        let Some(velocity) = crossing.velocity_per_side(self.tracer) else {
-            return;
-        };
-        let jump = DVec3::from(crossing.jump.map(f64::from));
-        let side_bar = jump.dot(DVec3::from(bar.map(f64::from))) * velocity;
-        let camera = &self.tracer.camera;
-        let [u, v] = crossing.at;
-        let d = dvec3(camera.direction(u, v));
-        let (o_bar, d_bar) = crossing.boundary.side_adjoint(
-            self.tracer.geometry,
-            camera.origin.as_dvec3(),
-            d,
-            side_bar,
-            |v, bar| {
-                self.scatter_vertex(v, bar, sums);
-            },
-        );
-        if self.wanted.camera && o_bar.is_finite() && d_bar.is_finite() {
-            let (px, py) = camera.film_to_camera(u, v);
-            let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
-            let (x, y, z, tan, _, _) =
-                camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
-            sums.camera.origin += o_bar;
-            for (sum, bar) in sums.camera.axes.iter_mut().zip([x, y, z]) {
-                *sum += dvec3(bar);
-            }
-            sums.camera.tan_half_x_fov += tan;
-        }
-    }
-
     /// Whether a boundary between what two triangles show can move.
     pub fn moves(&self, a: u32, b: u32) -> bool {
         let of = |t: u32| t != NO_TRIANGLE && self.wanted.moves(self.tracer.geometry, t);
         self.wanted.camera || of(a) || of(b)
-    }
-}
-
-fn finite(v: DVec3) -> Vec3 {
-    if v.is_finite() {
-        v.as_vec3()
-    } else {
-        Vec3::ZERO
     }
 }

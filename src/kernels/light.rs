@@ -1,4 +1,4 @@
-//! Light arriving from a triangle that emits.
+//! Light arriving from what emits.
 
 use crate::lanes::{Real, V3};
 
@@ -25,4 +25,21 @@ pub fn triangle_irradiance<F: Real>(
     let cos_light = (-(e1.cross(e2).dot(w))).max(zero);
     let r2 = w.dot(w);
     cos_x * cos_light / (r2 * r2 * F::splat(std::f64::consts::PI))
+}
+
+/// Irradiance over π at `x` with unit normal `n`, from a point at `p` of unit intensity.
+///
+/// inputs: x -1..-0.5, n 0.3..0.9, p 0.5..1
+pub fn point_irradiance<F: Real>(x: V3<F>, n: V3<F>, p: V3<F>) -> F {
+    let w = p - x;
+    let r2 = w.dot(w);
+    let cos = n.dot(w).max(F::splat(0.0));
+    cos / (r2 * r2.sqrt() * F::splat(std::f64::consts::PI))
+}
+
+/// Irradiance over π with unit normal `n`, of light whose beam comes from the unit direction `w`.
+///
+/// inputs: 0.3..0.9
+pub fn direction_irradiance<F: Real>(n: V3<F>, w: V3<F>) -> F {
+    n.dot(w).max(F::splat(0.0)) * F::splat(std::f64::consts::FRAC_1_PI)
 }

@@ -4,7 +4,10 @@
 
 pub mod camera;
 pub mod frame;
+pub mod fresnel;
+pub mod interface;
 pub mod light;
+pub mod microfacet;
 pub mod normal;
 pub mod silhouette;
 pub mod triangle;

@@ -3,13 +3,15 @@
 use super::stage::{GroupImages, Stage, StageClock};
 use super::{
     BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics,
+    refusals,
 };
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
 use crate::lanes::LANES;
 use crate::paths::film::{Block, gather_point, gather_row};
+use crate::paths::rays::from_lanes;
 use crate::paths::tile::TracedTile;
-use crate::paths::tracer::{Counts, from_lanes};
+use crate::paths::tracer::Counts;
 use crate::scene::{Rgb, Scene, SceneDifferential};
 use glam::Vec3;
 use std::sync::Mutex;
@@ -27,14 +29,17 @@ pub fn backward(
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
+    refusals::check(scene, request)?;
     let mut statistics = Statistics::default();
     let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
-    let visibility = settings.method == Method::Reparam && request.moves_geometry();
-    let stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    let moves_edges = request.moves_geometry() || request.bends(scene);
+    let visibility = settings.method == Method::Reparam && moves_edges;
+    let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    stage.ask_about(request);
     check_size(&adjoint, stage.size)?;
 
     let clock = StageClock::start();
-    let wanted = Wanted::new(request);
+    let wanted = Wanted::new(scene, request);
     let tracer = stage.tracer();
     let sweep = ReverseSweep {
         tracer: &tracer,

@@ -3,6 +3,7 @@
 mod adjoint;
 mod differences;
 mod primal;
+mod refusals;
 mod stage;
 mod tangent;
 

@@ -1,12 +1,13 @@
 //! What every method sets up: geometry, acceleration structure, lights, film, and threads that work through tiles.
 
-use super::{EngineError, Image, Progress, Settings, Statistics};
+use super::{EngineError, Image, Progress, Settings, Statistics, refusals};
 use crate::paths::camera::Camera;
 use crate::paths::film::{Block, FilmFilter};
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
+use crate::paths::materials::MaterialTable;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
-use crate::scene::{Film, Rgb, Scene};
+use crate::scene::{Film, Rgb, Scene, SceneDifferential};
 use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, MeshView};
 use crate::warp::adjacency::Adjacency;
@@ -26,6 +27,7 @@ pub struct Stage<'a> {
     pub geometry: Geometry,
     pub accel: Accel,
     pub lights: Lights,
+    pub materials: MaterialTable,
     pub adjacency: Option<Adjacency>,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -87,7 +89,7 @@ impl<'a> Stage<'a> {
             .collect();
         let accel =
             Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
-        let lights = Lights::new(scene, &geometry);
+        let lights = Lights::new(scene, &geometry, false);
         let adjacency = visibility.then(|| pool.install(|| Adjacency::new(&geometry)));
         let groups = if settings.standard_error {
             group_count(settings.spp)
@@ -107,6 +109,7 @@ impl<'a> Stage<'a> {
             geometry,
             accel,
             lights,
+            materials: MaterialTable::new(scene),
             adjacency,
             camera: Camera::new(&sensor),
             lattice,
@@ -115,6 +118,7 @@ impl<'a> Stage<'a> {
                 max_depth: settings.max_depth,
                 rr_depth: settings.rr_depth,
                 hide_emitters: settings.hide_emitters,
+                black_goes_on: false,
             },
             size: film.crop_size.map(|s| s as usize),
             groups,
@@ -124,6 +128,19 @@ impl<'a> Stage<'a> {
         })
     }
 
+    /// Sees to it that what is black now, and asked about, is sampled all the same.
+    pub fn ask_about(&mut self, request: &SceneDifferential) {
+        self.limits.black_goes_on = refusals::asks_about_black(self.scene, request);
+        if self
+            .scene
+            .area_lights
+            .iter()
+            .any(|l| request.texels[l.radiance].is_some())
+        {
+            self.lights = Lights::new(self.scene, &self.geometry, true);
+        }
+    }
+
     /// A tracer over this stage.
     pub fn tracer(&self) -> Tracer<'_> {
         Tracer {
@@ -131,6 +148,7 @@ impl<'a> Stage<'a> {
             geometry: &self.geometry,
             accel: &self.accel,
             lights: &self.lights,
+            materials: &self.materials,
             camera: self.camera,
             limits: self.limits,
             adjacency: self.adjacency.as_ref(),

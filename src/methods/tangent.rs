@@ -1,7 +1,7 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
 use super::stage::{GroupImages, Stage, StageClock};
-use super::{EngineError, ForwardGradient, Method, Progress, Settings, Statistics};
+use super::{EngineError, ForwardGradient, Method, Progress, Settings, Statistics, refusals};
 use crate::gradient::forward::ForwardSweep;
 use crate::gradient::motion::Motion;
 use crate::lanes::LANES;
@@ -19,8 +19,11 @@ pub fn forward(
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
-    let visibility = settings.method == Method::Reparam && tangent.moves_geometry();
-    let stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    refusals::check(scene, tangent)?;
+    let moves_edges = tangent.moves_geometry() || tangent.bends(scene);
+    let visibility = settings.method == Method::Reparam && moves_edges;
+    let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    stage.ask_about(tangent);
     let motion = Motion::new(scene, &stage.geometry, tangent);
     let tracer = stage.tracer();
     let sweep = ForwardSweep::new(&tracer, &motion, visibility);

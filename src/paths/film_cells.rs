@@ -10,14 +10,15 @@
 //! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
 
 use super::lattice::Tile;
+use super::rays::{RayPacket, from_lanes};
 use super::store::FilmCrossing;
 use super::tile::to_rgb;
-use super::tracer::{Counts, RayPacket, Tracer, from_lanes};
+use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
 use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::warp::adjacency::Adjacency;
-use crate::warp::boundary::{Boundary, dvec3};
+use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
 use crate::warp::resolve::{Crossing, Unresolved, between};
 use crate::warp::walk::Arc;
 use glam::Vec3;
@@ -187,7 +188,7 @@ fn probe(
             far: tracer.camera.far_clip,
         };
         let index = std::array::from_fn(|l| PROBE_INDEX + (number * LANES / 2 + l / 2) as u32);
-        let radiance = to_rgb(tracer.radiance_along(rays, 0, &tile.stream, &index, counts));
+        let radiance = to_rgb(tracer.radiance_along(rays, 0, true, &tile.stream, &index, counts));
         for (i, candidate) in group.iter().enumerate() {
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
             let jump: Rgb =
@@ -212,3 +213,14 @@ fn probe(
 
 /// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.
 const PROBE_INDEX: u32 = 0x8000_0000;
+
+impl FilmCrossing {
+    /// Film velocity along the crossing's axis, in pixels, per unit of Ḟ.
+    pub fn velocity_per_side(&self, tracer: &Tracer) -> Option<f64> {
+        let c = self
+            .boundary
+            .normal(tracer.geometry, tracer.camera.origin.as_dvec3());
+        let gradient = tracer.camera.direction_per_pixel().map(|d| c.dot(d));
+        velocity_per_side(gradient, [1.0, 0.0, 1.0], self.axis as usize)
+    }
+}

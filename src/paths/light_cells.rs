@@ -12,13 +12,17 @@
 //! spacing of the points is met by one of them with a known chance, and weighed by its inverse.
 
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
-use super::store::{LightCrossing, Vertices, lane_mask};
-use super::tracer::{Counts, RayPacket, SHADOW_FAR, Surface, Tracer, lane_of, leave, to_rays};
-use crate::lanes::{LANES, Lane, Real};
+use super::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of, leave, to_rays};
+use super::store::{LightCrossing, Vertices};
+use super::surface::Surface;
+use super::tracer::{Counts, Tracer};
+use crate::kernels::light::triangle_irradiance;
+use crate::lanes::LANES;
+use crate::scene::Rgb;
 use crate::trace::Coherence;
 use crate::warp::adjacency::Adjacency;
-use crate::warp::boundary::Boundary;
-use glam::DVec3;
+use crate::warp::boundary::{Boundary, vector, velocity_per_side};
+use glam::{DVec3, Vec3};
 
 /// The ends of a line lie this far inside the light, where no ray grazes its border.
 const RIM: f32 = 1e-4;
@@ -121,7 +125,7 @@ pub fn find(
                     fixed: fixed[lane],
                     ends,
                 };
-                match cell.resolve(tracer, adjacency, surface, &vertices.triangle, counts) {
+                match cell.resolve(tracer, adjacency, surface, vertices, counts) {
                     Some(crossing) => out.push(crossing),
                     None => {
                         counts.unresolved += 1;
@@ -131,7 +135,7 @@ pub fn find(
             }
             if all_found {
                 let spacing = (ends[1][lane] - ends[0][lane]) / INNER_POINTS as f32;
-                weigh_short_runs(&mut out[first..], spacing as f64);
+                weigh_short_runs(&mut out[first..], axis, spacing as f64);
             }
         }
     }
@@ -139,8 +143,8 @@ pub fn find(
 
 /// An interval of shadow (or light) shorter than the spacing of the points is met by one of them with the chance
 /// length/spacing: when it is met, its two ends stand for all that are not.
-fn weigh_short_runs(crossings: &mut [LightCrossing], spacing: f64) {
-    let at: Vec<f64> = crossings.iter().map(|c| c.at[c.axis as usize]).collect();
+fn weigh_short_runs(crossings: &mut [LightCrossing], axis: usize, spacing: f64) {
+    let at: Vec<f64> = crossings.iter().map(|c| c.at[axis]).collect();
     let weight = |from: usize| {
         let length = (at[from + 1] - at[from]).abs().max(SHORTEST_RUN * spacing);
         (spacing / length).max(1.0)
@@ -148,7 +152,8 @@ fn weigh_short_runs(crossings: &mut [LightCrossing], spacing: f64) {
     for (i, crossing) in crossings.iter_mut().enumerate() {
         let before = if i > 0 { weight(i - 1) } else { 1.0 };
         let after = if i + 1 < at.len() { weight(i) } else { 1.0 };
-        crossing.jump *= before.max(after);
+        let weight = before.max(after) as f32;
+        crossing.radiance_per_side = crossing.radiance_per_side.map(|r| r * weight);
     }
 }
 
@@ -171,7 +176,7 @@ fn facing_light(
     surface: &Surface,
     patch: &[u32; LANES],
 ) -> u32 {
-    let mut bits = 0;
+    let mut bits = 0u32;
     for l in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
         let p = &tracer.lights.patches[patch[l] as usize];
         let front = p.edges[0]
@@ -180,9 +185,7 @@ fn facing_light(
             > 0.0;
         bits |= (front as u32) << l;
     }
-    let rho = vertices.reflectance;
-    bits & lane_mask(vertices.hit).to_bits()
-        & rho.x.max(rho.y).max(rho.z).gt(Lane::splat(0.0)).to_bits()
+    bits & vertices.kinds.lit_by_samples() & !vertices.is_black()
 }
 
 /// An interval of a line whose ends differ in visibility.
@@ -203,7 +206,7 @@ impl Cell {
         tracer: &Tracer,
         adjacency: &Adjacency,
         surface: &Surface,
-        triangle: &[u32; LANES],
+        vertices: &Vertices,
         counts: &mut Counts,
     ) -> Option<LightCrossing> {
         let patch = &tracer.lights.patches[self.patch as usize];
@@ -219,7 +222,7 @@ impl Cell {
         };
         let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
         let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
-        let from_surface = SurfacePoint::of_lane(surface, triangle, self.lane);
+        let from_surface = SurfacePoint::of_lane(surface, &vertices.triangle, self.lane);
         let OccluderEnd { edge, along, at } = follow_occluders(
             tracer,
             adjacency,
@@ -235,17 +238,63 @@ impl Cell {
             None => Boundary::Edge(edge),
         };
         let fixed = self.fixed as f64;
+        let at = if self.axis == 0 {
+            [at, fixed]
+        } else {
+            [fixed, at]
+        };
+        let jump = if dark == 0 { -1.0 } else { 1.0 };
         Some(LightCrossing {
             boundary,
             lane: self.lane as u8,
-            axis: self.axis as u8,
             patch: self.patch,
-            at: if self.axis == 0 {
-                [at, fixed]
-            } else {
-                [fixed, at]
-            },
-            jump: if dark == 0 { -1.0 } else { 1.0 },
+            at,
+            radiance_per_side: self
+                .radiance_per_side(tracer, surface, vertices, boundary, at, jump),
         })
+    }
+
+    /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump · V/Ḟ over the
+    /// probability of the patch.
+    fn radiance_per_side(
+        &self,
+        tracer: &Tracer,
+        surface: &Surface,
+        vertices: &Vertices,
+        boundary: Boundary,
+        at: [f64; 2],
+        jump: f64,
+    ) -> Rgb {
+        let lane = self.lane;
+        let geometry = tracer.geometry;
+        let patch = &tracer.lights.patches[self.patch as usize];
+        let x = vertices.position(geometry, lane);
+        let c = boundary.normal(geometry, x);
+        let edges = patch.edges.map(|e| e.as_dvec3());
+        let gradient = edges.map(|e| c.dot(e));
+        let metric = [
+            edges[0].dot(edges[0]),
+            edges[0].dot(edges[1]),
+            edges[1].dot(edges[1]),
+        ];
+        let Some(velocity) = velocity_per_side(gradient, metric, self.axis) else {
+            return [0.0; 3];
+        };
+        let (s, r) = (at[0] as f32, at[1] as f32);
+        let (ids, [b1, b2]) = patch.vertices_at(s, r);
+        let [q0, q1, q2] = ids.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+        let n = vector(lane_of(surface.n, lane).as_dvec3());
+        let irradiance = triangle_irradiance(vector(x), n, q0, q1, q2, b1 as f64, b2 as f64);
+        let scale = irradiance * jump * velocity / patch.probability as f64;
+        let radiance = Vec3::from(tracer.patch_radiance(self.patch, s, r));
+        let value = if surface.interface.is_some() {
+            let w = patch.point(s, r) - lane_of(surface.x, lane);
+            let all = tracer.value_toward(vertices, surface, from_lanes(&[w; LANES]));
+            lane_of(all, lane)
+        } else {
+            lane_of(vertices.colour, lane)
+        };
+        let colour = lane_of(vertices.throughput, lane) * value * radiance;
+        (colour.as_dvec3() * scale).as_vec3().to_array()
     }
 }

@@ -5,7 +5,7 @@
 //! point keeps its (s, r) when the light moves.
 
 use crate::lanes::{LANES, Lane};
-use crate::scene::{Rgb, Scene};
+use crate::scene::{Layout, Rgb, Scene};
 use crate::trace::geometry::Geometry;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -24,7 +24,12 @@ pub struct Patch {
     pub light: u32,
     /// Chance of being picked.
     pub probability: f32,
+    /// The triangles whose corners `lower` and `upper` are, and by how much these are turned.
+    triangles: [(u32, usize); 2],
 }
+
+/// Of the mean radiance: a light that is asked about is sampled as if it were at least this bright.
+const LEAST_LEVEL: f64 = 0.1;
 
 /// All area lights of a scene.
 pub struct Lights {
@@ -33,18 +38,23 @@ pub struct Lights {
     cumulative: Vec<f32>,
     /// Light and density (per solid angle needs the distance; this is per area) of each emitting triangle.
     pub of_mesh: Vec<Option<u32>>,
+    /// Whether any light's radiance is not constant.
+    pub any_texture: bool,
     /// Probability over area of picking a point on a light: the same everywhere on it.
     pub pdf_area: Vec<f32>,
 }
 
 impl Lights {
-    pub fn new(scene: &Scene, geometry: &Geometry) -> Self {
+    /// `black_too`: lights that are dark at present are sampled as well.
+    pub fn new(scene: &Scene, geometry: &Geometry, black_too: bool) -> Self {
         let mut patches = Vec::new();
         let mut power = Vec::new();
         for (index, light) in scene.area_lights.iter().enumerate() {
             let range =
                 geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
-            let level = luminance(scene.constant(light.radiance));
+            let texels = &scene.textures[light.radiance].texels;
+            let all: f64 = texels.iter().map(|&t| luminance(t)).sum();
+            let level = all / texels.len() as f64;
             for mut patch in pair_triangles(geometry, range) {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
@@ -54,6 +64,12 @@ impl Lights {
             }
         }
         let mut total: f64 = power.iter().map(|p| p.1).sum();
+        if black_too && total > 0.0 {
+            let area: f64 = power.iter().map(|p| p.0).sum();
+            let least = LEAST_LEVEL * total / area;
+            power.iter_mut().for_each(|p| p.1 = p.1.max(p.0 * least));
+            total = power.iter().map(|p| p.1).sum();
+        }
         if total <= 0.0 {
             // Every light is black now; a gradient by its radiance still wants samples of it.
             power.iter_mut().for_each(|p| p.1 = p.0);
@@ -74,7 +90,9 @@ impl Lights {
             .iter()
             .map(|m| m.area_light.map(|l| l as u32))
             .collect();
+        let is_constant = |t: usize| scene.textures[t].layout == Layout::Constant;
         Self {
+            any_texture: !scene.area_lights.iter().all(|l| is_constant(l.radiance)),
             patches,
             cumulative,
             of_mesh,
@@ -120,6 +138,17 @@ impl Patch {
             Some(upper) if s + r > 1.0 => (upper, [1.0 - s, 1.0 - r]),
             _ => (self.lower, [s, r]),
         }
+    }
+
+    /// Triangle and barycentrics (of its own second and third vertex) of the point (`s`, `r`).
+    pub fn triangle_at(&self, s: f32, r: f32) -> (u32, [f32; 2]) {
+        let is_upper = self.upper.is_some() && s + r > 1.0;
+        let (_, [b1, b2]) = self.vertices_at(s, r);
+        let (triangle, turn) = self.triangles[is_upper as usize];
+        // Corner k of the patch's order is the triangle's corner k + turn.
+        let of_patch = [1.0 - b1 - b2, b1, b2];
+        let own = |corner: usize| of_patch[(corner + 3 - turn) % 3];
+        (triangle, [own(1), own(2)])
     }
 
     /// World position of (`s`, `r`), as it is now.
@@ -175,10 +204,10 @@ fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch
     };
     let mut patches = Vec::new();
     for t in range.clone() {
-        let (lower, upper) = match partner.get(&t) {
-            Some(&(k, other, c)) => (rotated(t, k), Some(rotated(other, c))),
+        let (lower, upper, triangles) = match partner.get(&t) {
+            Some(&(k, other, c)) => (rotated(t, k), Some(rotated(other, c)), [(t, k), (other, c)]),
             None if taken[(t - range.start) as usize] => continue,
-            None => (rotated(t, 0), None),
+            None => (rotated(t, 0), None, [(t, 0); 2]),
         };
         let [q, a, b] = lower.map(position);
         patches.push(Patch {
@@ -188,6 +217,7 @@ fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch
             edges: [a - q, b - q],
             light: 0,
             probability: 0.0,
+            triangles,
         });
     }
     patches

@@ -1,6 +1,8 @@
 //! From an occluded ray to the silhouette behind which it would be free.
 
-use super::tracer::{Counts, Surface, Tracer, lane_of};
+use super::rays::lane_of;
+use super::surface::Surface;
+use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::trace::{Coherence, Hits, MISS, Rays};

@@ -1,6 +1,7 @@
 //! What is kept of each path, so that the sweeps trace no ray.
 
 use super::bounce_cells::BounceCrossing;
+use super::materials::Kinds;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::scene::Rgb;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
@@ -23,21 +24,46 @@ pub struct Vertices {
     pub triangle: [u32; LANES],
     /// ±1: the side of the shading normal that looks back along the ray.
     pub facing: Lane,
-    /// Product of reflectances and survival weights before this vertex.
+    pub kinds: Kinds,
+    /// Product of weights before this vertex.
     pub throughput: V3<Lane>,
-    /// Reflectance here; zero where the surface is black from this side.
-    pub reflectance: V3<Lane>,
-    /// Multiplies the emission found by the arriving ray: 1 for camera rays, the MIS weight for others.
+    /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from this side.
+    pub colour: V3<Lane>,
+    /// Multiplies the emission found by the arriving ray. 1 for camera rays and what narrow lobes found; for `sampled`
+    /// lanes the MIS weight and what turns the irradiance of the previous vertex into radiance.
     pub emission_weight: Lane,
+    /// Lanes whose emission is a sample of the previous vertex's integral over the lights.
+    pub sampled: u32,
+    /// π times the BSDF times the irradiance that `sampled` lanes bring to the previous vertex.
+    pub sampled_value: V3<Lane>,
     pub light: LightSamples,
-    /// Direction in which the path goes on, in the frame of the shading normal.
+    /// Lanes whose path goes on by diffuse scattering, reflection or refraction; others go straight on.
+    pub lobes: Lobes,
+    /// Coordinate of the next direction in the frame of the shading normal: the direction itself, or the microfacet's
+    /// normal (`kernels::interface`).
     pub local: [Lane; 3],
+    /// One over the density of that coordinate and the chance of its lobe, in the measure of `interface_bounce`.
+    pub inverse_density: Lane,
+    /// The chance that its lobe was drawn.
+    pub lobe_chance: Lane,
+    /// What the throughput is multiplied with, without survival.
+    pub weight: V3<Lane>,
     /// 1/(chance of going on), 0 where the path ends here.
     pub survival: Lane,
     /// The shadow edges on this vertex's light lines, as a range of the tile's list.
     pub crossings: [u32; 2],
     /// The silhouettes on its bounce lines, likewise.
     pub bounce_crossings: [u32; 2],
+    /// Lanes that see each light without an extent, likewise.
+    pub delta_lights: [u32; 2],
+}
+
+/// The lobe that was drawn, a bit a lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lobes {
+    pub diffuse: u32,
+    pub reflected: u32,
+    pub refracted: u32,
 }
 
 impl Vertices {
@@ -68,6 +94,8 @@ pub struct LightSamples {
     pub weight: Lane,
     /// `kernels::light::triangle_irradiance` of the point.
     pub irradiance: Lane,
+    /// π times the BSDF toward the point.
+    pub value: V3<Lane>,
 }
 
 impl Default for Vertices {
@@ -80,20 +108,32 @@ impl Default for Vertices {
             direction: V3::splat(0.0),
             triangle: [NO_TRIANGLE; LANES],
             facing: one,
+            kinds: Kinds::default(),
             throughput: V3::splat(1.0),
-            reflectance: V3::splat(0.0),
+            colour: V3::splat(0.0),
             emission_weight: zero,
+            sampled: 0,
+            sampled_value: V3::splat(0.0),
             light: LightSamples {
                 patch: [0; LANES],
                 s: zero,
                 r: zero,
                 weight: zero,
                 irradiance: zero,
+                value: V3::splat(0.0),
+            },
+            lobes: Lobes {
+                diffuse: u32::MAX,
+                ..Lobes::default()
             },
             local: [zero, zero, one],
+            inverse_density: one,
+            lobe_chance: one,
+            weight: V3::splat(0.0),
             survival: zero,
             crossings: [0; 2],
             bounce_crossings: [0; 2],
+            delta_lights: [0; 2],
         }
     }
 }
@@ -103,12 +143,10 @@ impl Default for Vertices {
 pub struct LightCrossing {
     pub boundary: Boundary,
     pub lane: u8,
-    /// 0: found along s at fixed r; 1: along r at fixed s.
-    pub axis: u8,
     pub patch: u32,
     pub at: [f64; 2],
-    /// +1 if the light is visible before the crossing and hidden after it, −1 the other way round.
-    pub jump: f64,
+    /// Radiance of the path per unit of Ḟ, all at θ₀.
+    pub radiance_per_side: Rgb,
 }
 
 /// A jump of the radiance along a film lattice line.
@@ -131,6 +169,8 @@ pub struct TileStore {
     pub depths: Vec<u32>,
     pub light_crossings: Vec<LightCrossing>,
     pub bounce_crossings: Vec<BounceCrossing>,
+    /// Lanes that see a light without an extent: for each vertex one entry a light.
+    pub delta_visible: Vec<u32>,
     pub film_crossings: Vec<FilmCrossing>,
 }
 
@@ -141,6 +181,7 @@ impl TileStore {
         self.depths.push(0);
         self.light_crossings.clear();
         self.bounce_crossings.clear();
+        self.delta_visible.clear();
         self.film_crossings.clear();
     }
 

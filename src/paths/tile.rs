@@ -4,8 +4,9 @@ use super::film::{Block, FilmFilter, Taps};
 use super::film_cells::{self, LatticeImage};
 use super::lattice::Tile;
 use super::random::morton;
+use super::rays::RayPacket;
 use super::store::TileStore;
-use super::tracer::{Counts, RayPacket, Tracer};
+use super::tracer::{Counts, Tracer};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::camera::splat;
 use crate::scene::Rgb;
@@ -65,7 +66,7 @@ impl TracedTile {
                 std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
             tracer.trace(rays, &tile.stream, &index, &mut counts, &mut store);
             let path = store.path(store.depths.len() - 2);
-            let radiance = to_rgb(tracer.radiance(path));
+            let radiance = to_rgb(tracer.radiance(&store, path));
             for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
                 let at = packet.row * columns + packet.column + lane;
                 image.triangle[at] = path[0].triangle[lane];

@@ -1,30 +1,24 @@
 //! Tracing paths, one packet of lanes at a time: camera ray, light sample, bounce, and so on.
 //!
-//! At every vertex the light that arrives from area lights is an integral over the lights' own surface
-//! (`kernels::light`), estimated by light samples and by bounces that happen to end on a light, combined by the
-//! power heuristic. Everything else (the environment, light reflected by other surfaces) arrives along bounces
-//! drawn proportionally to the cosine. The weights and densities are numbers at θ₀: they are ways of *sampling*
-//! an integrand that is differentiated in coordinates which no strategy depends on, so freezing them is exact
-//! (METHODS §1.6 warns of freezing them where strategies move differently).
+//! What is drawn and how it is weighed is in `paths::direct` and `paths::bounce`.
 
 use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
-use super::light_cells::{self, Lines};
 use super::lights::Lights;
+use super::materials::MaterialTable;
 use super::random::Stream;
-use super::store::{LightSamples, TileStore, Vertices, lane_mask, masked};
-use crate::kernels::frame::direction_from_local;
-use crate::kernels::light::triangle_irradiance;
-use crate::kernels::normal::{face_normal, shading_normal};
-use crate::lanes::{LANES, Lane, Mask, Real, V3};
-use crate::scene::{Rgb, Scene};
-use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
-use crate::trace::{Accel, Coherence, Hits, Rays};
+use super::rays::{RayPacket, to_rays};
+use super::store::{TileStore, Vertices, lane_mask, masked};
+use super::surface::Surface;
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::scene::Scene;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use crate::trace::{Accel, Coherence, Hits};
 use crate::warp::adjacency::Adjacency;
 use glam::Vec3;
 
 /// Pairs of random numbers that a vertex consumes.
-pub const PAIRS_PER_VERTEX: u32 = 4;
+pub const PAIRS_PER_VERTEX: u32 = 5;
 
 /// What limits a path.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +26,8 @@ pub struct PathLimits {
     pub max_depth: u32,
     pub rr_depth: u32,
     pub hide_emitters: bool,
+    /// Paths go on from black surfaces: someone asks what would change if they reflected.
+    pub black_goes_on: bool,
 }
 
 /// What was done: rays traced by kind, and silhouettes that could not be found.
@@ -81,29 +77,11 @@ pub struct Tracer<'a> {
     pub geometry: &'a Geometry,
     pub accel: &'a Accel,
     pub lights: &'a Lights,
+    pub materials: &'a MaterialTable,
     pub camera: Camera,
     pub limits: PathLimits,
     /// Given if silhouettes are wanted, because something moves.
     pub adjacency: Option<&'a Adjacency>,
-}
-
-/// Rays that are about to be traced.
-#[derive(Clone, Copy)]
-pub struct RayPacket {
-    pub active: u32,
-    pub origin: V3<Lane>,
-    pub direction: V3<Lane>,
-    pub near: f32,
-    pub far: f32,
-}
-
-/// Where a packet ended, seen from the next ray to leave.
-pub struct Surface {
-    pub x: V3<Lane>,
-    /// Unit shading normal, on the side the ray came from.
-    pub n: V3<Lane>,
-    /// Unit geometric normal, as the triangle is wound.
-    pub geometric: V3<Lane>,
 }
 
 impl Tracer<'_> {
@@ -116,7 +94,7 @@ impl Tracer<'_> {
         counts: &mut Counts,
         store: &mut TileStore,
     ) {
-        self.trace_vertices(rays, 0, stream, index, counts, store);
+        self.trace_vertices(rays, 0, true, stream, index, counts, store);
         store.depths.push(store.vertices.len() as u32);
     }
 
@@ -124,6 +102,7 @@ impl Tracer<'_> {
         &self,
         mut rays: RayPacket,
         first_depth: u32,
+        with_emission: bool,
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
@@ -131,11 +110,12 @@ impl Tracer<'_> {
     ) {
         let mut coherence = Coherence::Coherent;
         let mut throughput = V3::splat(1.0);
-        let mut emission_weight = Lane::splat(if first_depth > 0 || self.limits.hide_emitters {
+        // What a probe's first ray finds emitting counts where the path it stands for would count it.
+        let first_weight = if (first_depth == 0 && self.limits.hide_emitters) || !with_emission {
             0.0
         } else {
             1.0
-        });
+        };
         let mut previous: Option<Surface> = None;
         for depth in first_depth.. {
             let triangle = self.intersect(&rays, coherence);
@@ -145,17 +125,9 @@ impl Tracer<'_> {
                 &mut counts.bounce
             } += rays.active.count_ones() as u64;
             if let (Some(adjacency), Some(from)) = (self.adjacency, &previous) {
+                let seen = Seen::Triangles(&triangle);
                 bounce_cells::find(
-                    self,
-                    adjacency,
-                    from,
-                    &rays,
-                    Seen::Triangles(&triangle),
-                    depth,
-                    stream,
-                    index,
-                    counts,
-                    store,
+                    self, adjacency, from, &rays, seen, depth, stream, index, counts, store,
                 );
             }
             let mut vertices = Vertices {
@@ -163,6 +135,7 @@ impl Tracer<'_> {
                 direction: rays.direction,
                 triangle,
                 throughput,
+                emission_weight: Lane::splat(first_weight),
                 ..Vertices::default()
             };
             for (lane, &t) in triangle.iter().enumerate() {
@@ -178,18 +151,20 @@ impl Tracer<'_> {
                 vertices.escaped = 0;
             }
             let surface = self.surface(&mut vertices);
-            if let Some(previous) = &previous {
-                emission_weight = self.bounce_mis_weight(&vertices, previous);
+            if let (Some(previous), Some(from)) = (&previous, store.vertices.last()) {
+                self.weigh_emission(&mut vertices, from, previous);
             }
-            vertices.emission_weight = emission_weight;
-            self.reflectance(&mut vertices);
 
             let segments = depth + 2;
             if vertices.hit != 0 && segments <= self.limits.max_depth {
                 let goes_on = segments < self.limits.max_depth;
-                let bounces = goes_on || self.scene.environment.is_some();
+                let has_lights = !self.lights.is_empty();
+                // Lights are seen in narrow lobes only along bounces.
+                let narrow = vertices.hit & !vertices.kinds.lit_by_samples();
+                let looks_for_light = has_lights && narrow != 0;
+                let bounces = goes_on || self.scene.environment.is_some() || looks_for_light;
                 let base = depth * PAIRS_PER_VERTEX;
-                if !self.lights.is_empty() {
+                if has_lights {
                     self.sample_lights(
                         &mut vertices,
                         &surface,
@@ -201,21 +176,23 @@ impl Tracer<'_> {
                         store,
                     );
                 }
+                if !self.scene.delta_lights.is_empty() {
+                    self.see_delta_lights(&mut vertices, &surface, counts, store);
+                }
                 if bounces {
-                    let (next, alive) =
-                        self.bounce(&mut vertices, &surface, stream, index, base, depth);
+                    let (next, alive) = self.bounce(&mut vertices, &surface, stream, index, depth);
                     rays = RayPacket {
                         active: alive,
                         ..next
                     };
-                    throughput = throughput.times(vertices.reflectance) * vertices.survival;
+                    throughput = throughput.times(vertices.weight) * vertices.survival;
                     coherence = Coherence::Incoherent;
                     let last = !goes_on;
                     store.vertices.push(vertices);
                     if alive == 0 {
                         return;
                     }
-                    if last && self.lights.is_empty() {
+                    if last && !has_lights {
                         // Only whether the environment is seen matters: any hit will do.
                         let end = self.last_bounce(&rays, throughput, counts);
                         if let Some(adjacency) = self.adjacency {
@@ -243,6 +220,20 @@ impl Tracer<'_> {
             store.vertices.push(vertices);
             return;
         }
+    }
+
+    /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
+    fn weigh_emission(&self, vertices: &mut Vertices, from: &Vertices, surface: &Surface) {
+        if self.lights.is_empty() {
+            vertices.emission_weight = Lane::splat(0.0);
+            return;
+        }
+        let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
+        vertices.sampled = drawn & vertices.hit;
+        let sampled = lane_mask(vertices.sampled);
+        let (weight, value) = self.sampled_emission(vertices, from, surface);
+        vertices.emission_weight = <Lane as Real>::select(sampled, weight, Lane::splat(1.0));
+        vertices.sampled_value = value;
     }
 
     /// The vertices of a bounce of which only the escape counts.
@@ -274,377 +265,71 @@ impl Tracer<'_> {
         })
     }
 
-    /// Position and normals where the rays end; sets `facing`.
-    pub fn surface(&self, vertices: &mut Vertices) -> Surface {
-        let corners = self.geometry.corners(&vertices.triangle);
-        let [v0, v1, v2] = self.geometry.gather_positions(&corners);
-        let (o, d) = (vertices.origin, vertices.direction);
-        let (t, b1, b2) = crate::kernels::triangle::triangle_hit(o, d, v0, v1, v2);
-        let geometric = face_normal(v0, v1, v2);
-        let mut n = geometric;
-        let smooth = self.smooth_lanes(&vertices.triangle);
-        if smooth != 0 {
-            let [n0, n1, n2] = self.geometry.gather_normals(&corners);
-            n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
-        }
-        // The side that is seen is the triangle's, not the shading normal's: where that turns away at grazing angles a
-        // one-sided surface would be black in a rim whose border is no edge of any mesh.
-        vertices.facing = -(geometric.dot(d).signum()) * (n.dot(geometric).signum());
-        Surface {
-            x: o + d * t,
-            n: n * vertices.facing,
-            geometric,
-        }
-    }
-
-    /// Lanes whose triangle is shaded smoothly.
-    pub fn smooth_lanes(&self, triangle: &[u32; LANES]) -> u32 {
-        if self.geometry.normals.is_empty() {
-            return 0;
-        }
-        (0..LANES).fold(0, |bits, l| {
-            let t = triangle[l];
-            let smooth = t != NO_TRIANGLE
-                && self.geometry.smooth[self.geometry.mesh_of_triangle[t as usize] as usize];
-            bits | (smooth as u32) << l
-        })
-    }
-
-    fn reflectance(&self, vertices: &mut Vertices) {
-        // One-sided materials are black where the (unflipped) shading normal looks away.
-        let facing = vertices.facing.to_array();
-        vertices.reflectance = self.per_lane(&vertices.triangle, |mesh, lane| {
-            let material = &self.scene.materials[self.scene.meshes[mesh].material];
-            if material.two_sided || facing[lane] > 0.0 {
-                material
-                    .bsdf
-                    .colour()
-                    .map_or([0.0; 3], |t| self.scene.constant(t))
-            } else {
-                [0.0; 3]
-            }
-        });
-    }
-
-    /// A colour of each lane's mesh; zero where there is none.
-    pub fn per_lane(&self, triangle: &[u32; LANES], of: impl Fn(usize, usize) -> Rgb) -> V3<Lane> {
-        let mut rgb = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            if triangle[lane] != NO_TRIANGLE {
-                let value = of(
-                    self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize,
-                    lane,
-                );
-                for c in 0..3 {
-                    rgb[c][lane] = value[c];
-                }
-            }
-        }
-        let [x, y, z] = rgb.map(Lane::new);
-        V3 { x, y, z }
-    }
-
-    /// Radiance emitted toward where the ray came from, of each lane's triangle.
-    pub fn emission(&self, vertices: &Vertices) -> V3<Lane> {
-        if self.lights.is_empty() {
-            return V3::splat(0.0);
-        }
-        self.emitted(vertices, |light| {
-            self.scene.constant(self.scene.area_lights[light].radiance)
-        })
-    }
-
-    /// A colour of each lane's light where its lit side was met; zero elsewhere.
-    pub fn emitted(&self, vertices: &Vertices, of: impl Fn(usize) -> Rgb) -> V3<Lane> {
-        self.per_lane(&vertices.triangle, |mesh, lane| {
-            match self.lights.of_mesh[mesh] {
-                Some(light) if self.sees_front(vertices, lane) => of(light as usize),
-                _ => [0.0; 3],
-            }
-        })
-    }
-
-    /// Lanes whose material reflects on both sides.
-    pub fn two_sided(&self, vertices: &Vertices) -> u32 {
-        (0..LANES)
-            .filter(|&l| vertices.hit >> l & 1 == 1)
-            .fold(0, |bits, l| {
-                let mesh = self.geometry.mesh_of_triangle[vertices.triangle[l] as usize] as usize;
-                bits | (self.scene.materials[self.scene.meshes[mesh].material].two_sided as u32)
-                    << l
-            })
-    }
-
-    /// Whether a lane's ray meets the side of the triangle from which it is wound counter-clockwise.
-    pub fn sees_front(&self, vertices: &Vertices, lane: usize) -> bool {
-        let [p, q, r] = self.geometry.triangles[vertices.triangle[lane] as usize]
-            .map(|v| self.geometry.positions[v as usize]);
-        lane_of(vertices.direction, lane).dot((q - p).cross(r - p)) < 0.0
-    }
-
-    /// Power-heuristic weight of emission found by a bounce, against the light samples of the vertex it left.
-    fn bounce_mis_weight(&self, vertices: &Vertices, from: &Surface) -> Lane {
-        if self.lights.is_empty() {
-            return Lane::splat(0.0);
-        }
-        let corners = self.geometry.corners(&vertices.triangle);
-        let v = self.geometry.gather_positions(&corners);
-        let d = vertices.direction;
-        let (t, _, _) =
-            crate::kernels::triangle::triangle_hit(vertices.origin, d, v[0], v[1], v[2]);
-        let cos_light = -(d.dot(face_normal(v[0], v[1], v[2])));
-        let cos = from.n.dot(d);
-        let pdf_area = self.per_lane(&vertices.triangle, |mesh, _| {
-            [self.lights.of_mesh[mesh].map_or(0.0, |l| self.lights.pdf_area[l as usize]); 3]
-        });
-        // Both densities over solid angle: cos/π against p_A·r²/cos_light.
-        let bounce = cos * cos_light * Lane::splat(std::f32::consts::FRAC_1_PI);
-        let light = pdf_area.x * t * t;
-        let weight = bounce * bounce / (bounce * bounce + light * light);
-        let emits =
-            lane_mask(vertices.hit) & light.gt(Lane::splat(0.0)) & cos_light.gt(Lane::splat(0.0));
-        <Lane as Real>::select(emits, weight, Lane::splat(0.0))
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn sample_lights(
-        &self,
-        vertices: &mut Vertices,
-        surface: &Surface,
-        stream: &Stream,
-        index: &[u32; LANES],
-        base: u32,
-        with_bounce: bool,
-        counts: &mut Counts,
-        store: &mut TileStore,
-    ) {
-        let (s, r) = stream.pair(index, base);
-        let (pick, _) = if self.lights.patches.len() > 1 {
-            stream.pair(index, base + 1)
-        } else {
-            (Lane::splat(0.0), Lane::splat(0.0))
-        };
-        let (patch, _) = self.lights.pick(pick);
-        let patches = patch.map(|p| &self.lights.patches[p as usize]);
-        // Fold the square onto a single triangle, on which the density doubles.
-        let drawn = [s.to_array(), r.to_array()];
-        let [mut s, mut r] = drawn;
-        let mut pdf = [0.0; LANES];
-        for l in 0..LANES {
-            pdf[l] = patches[l].probability;
-            if patches[l].upper.is_none() {
-                pdf[l] *= 2.0;
-                if s[l] + r[l] > 1.0 {
-                    (s[l], r[l]) = (1.0 - s[l], 1.0 - r[l]);
-                }
-            }
-        }
-        let irradiance = self.patch_irradiance(surface, &patch, &s, &r);
-        let zero = Lane::splat(0.0);
-        let lit = irradiance.gt(zero) & lane_mask(vertices.hit);
-        let y = self.patch_points(&patch, &s, &r);
-        let visible = self.visible(surface, y, lit.to_bits(), counts);
-        let mut weight = Lane::splat(1.0) / Lane::new(pdf);
-        if with_bounce {
-            // In (s, r) the bounce's density is cos·cos_light·|e1×e2|/(π r²): the irradiance kernel itself.
-            let light = Lane::new(pdf);
-            weight *= light * light / (light * light + irradiance * irradiance);
-        }
-        vertices.light = LightSamples {
-            patch,
-            s: Lane::new(s),
-            r: Lane::new(r),
-            weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
-            irradiance: <Lane as Real>::select(lit, irradiance, zero),
-        };
-        if let Some(adjacency) = self.adjacency {
-            let [s, r] = drawn;
-            let (_, jitter) = stream.pair(index, base + 1);
-            let lines = Lines {
-                s,
-                r,
-                jitter: jitter.to_array(),
-            };
-            let first = store.light_crossings.len() as u32;
-            light_cells::find(
-                self,
-                adjacency,
-                vertices,
-                surface,
-                &patch,
-                &lines,
-                counts,
-                &mut store.light_crossings,
-            );
-            vertices.crossings = [first, store.light_crossings.len() as u32];
-        }
-    }
-
-    /// [`triangle_irradiance`] of each lane's patch at (s, r).
-    pub fn patch_irradiance(
-        &self,
-        surface: &Surface,
-        patch: &[u32; LANES],
-        s: &[f32; LANES],
-        r: &[f32; LANES],
-    ) -> Lane {
-        let (q, b) = self.patch_corners(patch, s, r);
-        let [q0, q1, q2] = gather(&q, |v, _| self.geometry.positions[v as usize]);
-        triangle_irradiance(surface.x, surface.n, q0, q1, q2, b[0], b[1])
-    }
-
-    /// The light triangle's vertices and barycentrics in each lane.
-    pub fn patch_corners(
-        &self,
-        patch: &[u32; LANES],
-        s: &[f32; LANES],
-        r: &[f32; LANES],
-    ) -> ([[u32; 3]; LANES], [Lane; 2]) {
-        let mut corners = [[0; 3]; LANES];
-        let mut b = [[0.0; LANES]; 2];
-        for l in 0..LANES {
-            let at;
-            (corners[l], at) = self.lights.patches[patch[l] as usize].vertices_at(s[l], r[l]);
-            (b[0][l], b[1][l]) = (at[0], at[1]);
-        }
-        (corners, b.map(Lane::new))
-    }
-
-    /// Points of each lane's patch.
-    pub fn patch_points(
-        &self,
-        patch: &[u32; LANES],
-        s: &[f32; LANES],
-        r: &[f32; LANES],
-    ) -> V3<Lane> {
-        let points: [Vec3; LANES] =
-            std::array::from_fn(|l| self.lights.patches[patch[l] as usize].point(s[l], r[l]));
-        from_lanes(&points)
-    }
-
-    /// Which of the lanes in `active` see the point `y` from their surface.
-    pub fn visible(&self, surface: &Surface, y: V3<Lane>, active: u32, counts: &mut Counts) -> u32 {
-        if active == 0 {
-            return 0;
-        }
-        let origin = leave(surface.x, surface.geometric, y - surface.x);
-        let rays = RayPacket {
-            active,
-            origin,
-            direction: y - origin,
-            near: 0.0,
-            far: SHADOW_FAR,
-        };
-        counts.shadow += active.count_ones() as u64;
-        active
-            & !self
-                .accel
-                .occluded(&to_rays(&rays), active, Coherence::Incoherent)
-    }
-
-    /// Draws the next direction and decides who goes on.
-    fn bounce(
-        &self,
-        vertices: &mut Vertices,
-        surface: &Surface,
-        stream: &Stream,
-        index: &[u32; LANES],
-        base: u32,
-        depth: u32,
-    ) -> (RayPacket, u32) {
-        let (u, v) = stream.pair(index, base + 2);
-        vertices.local = cosine_direction(u, v);
-        let [lx, ly, lz] = vertices.local;
-        let direction = direction_from_local(surface.n, lx, ly, lz);
-        let weight = vertices.throughput.times(vertices.reflectance);
-        let brightest = weight.x.max(weight.y).max(weight.z);
-        let zero = Lane::splat(0.0);
-        let mut alive = lane_mask(vertices.hit) & brightest.gt(zero);
-        let mut survival = Lane::splat(1.0);
-        if depth + 1 >= self.limits.rr_depth {
-            let chance = brightest.min(Lane::splat(0.95));
-            let (u, _) = stream.pair(index, base + 3);
-            alive = alive & u.lt(chance);
-            survival = Lane::splat(1.0) / chance;
-        }
-        vertices.survival = <Lane as Real>::select(alive, survival, zero);
-        let origin = leave(surface.x, surface.geometric, direction);
-        let rays = RayPacket {
-            active: 0,
-            origin,
-            direction,
-            near: 0.0,
-            far: f32::INFINITY,
-        };
-        (rays, alive.to_bits())
-    }
-
-    /// Radiance of each path: Σ over vertices of throughput · (emission + reflectance · light sample).
-    pub fn radiance(&self, path: &[Vertices]) -> V3<Lane> {
+    /// Radiance of each path of `store` that begins at `path`: Σ over vertices of throughput · (emission + light samples).
+    pub fn radiance(&self, store: &TileStore, path: &[Vertices]) -> V3<Lane> {
         let mut sum = V3::splat(0.0);
+        let mut previous: Option<&Vertices> = None;
         for vertices in path {
-            sum = sum + vertices.throughput.times(self.arriving(vertices));
-            if vertices.hit != 0 && !self.lights.is_empty() {
-                sum = sum
-                    + vertices
-                        .throughput
-                        .times(vertices.reflectance)
-                        .times(self.sampled_light(vertices));
+            sum = sum + self.arriving(vertices, previous);
+            if vertices.hit != 0 {
+                if !self.lights.is_empty() {
+                    sum = sum + vertices.throughput.times(self.sampled_light(vertices));
+                }
+                let [from, to] = vertices.delta_lights.map(|i| i as usize);
+                if from != to {
+                    let surface = self.surface(&mut vertices.clone());
+                    let light =
+                        self.delta_light(vertices, &surface, &store.delta_visible[from..to]);
+                    sum = sum + vertices.throughput.times(light);
+                }
+            }
+            previous = Some(vertices);
+        }
+        sum
+    }
+
+    /// What the arriving rays found emitting, throughput and all.
+    fn arriving(&self, vertices: &Vertices, from: Option<&Vertices>) -> V3<Lane> {
+        let mut sum = V3::splat(0.0);
+        if !self.lights.is_empty() && vertices.hit != 0 {
+            let emitted = self.emission(vertices) * vertices.emission_weight;
+            let mut found = vertices.throughput.times(emitted);
+            if let (Some(from), true) = (from, vertices.sampled != 0) {
+                let sampled = from.throughput.times(vertices.sampled_value);
+                found = V3::select(lane_mask(vertices.sampled), sampled.times(emitted), found);
+            }
+            sum = masked(vertices.hit, found);
+        }
+        if let (Some(environment), true) = (&self.scene.environment, vertices.escaped != 0) {
+            let radiance = self.environment_radiance(environment, vertices.direction);
+            sum = sum + masked(vertices.escaped, vertices.throughput.times(radiance));
+        }
+        sum
+    }
+
+    /// Radiance of the environment along `direction`.
+    pub fn environment_radiance(
+        &self,
+        environment: &crate::scene::Environment,
+        direction: V3<Lane>,
+    ) -> V3<Lane> {
+        match &environment.map {
+            None => splat(Vec3::from(self.scene.constant(environment.radiance))),
+            Some(map) => {
+                let texture = &self.scene.textures[environment.radiance];
+                super::environment::radiance(texture, map, direction)
             }
         }
-        sum
     }
 
-    /// Emission and environment that the arriving rays found.
-    pub fn arriving(&self, vertices: &Vertices) -> V3<Lane> {
-        let mut sum = masked(
-            vertices.hit,
-            self.emission(vertices) * vertices.emission_weight,
-        );
-        if let (Some(environment), true) = (&self.scene.environment, vertices.escaped != 0) {
-            sum = sum
-                + masked(
-                    vertices.escaped,
-                    splat(Vec3::from(self.scene.constant(environment.radiance))),
-                );
-        }
-        sum
-    }
-
-    /// What the light samples bring, before the reflectance here.
-    pub fn sampled_light(&self, vertices: &Vertices) -> V3<Lane> {
-        let lit = vertices.light.weight.gt(Lane::splat(0.0));
-        if !lit.any() {
-            return V3::splat(0.0);
-        }
-        let light = &vertices.light;
-        let value = self.light_radiance(&light.patch) * (light.irradiance * light.weight);
-        V3::select(lit, value, V3::splat(0.0))
-    }
-
-    /// Radiance of each lane's patch.
-    pub fn light_radiance(&self, patch: &[u32; LANES]) -> V3<Lane> {
-        self.per_patch(patch, |light| {
-            self.scene.constant(self.scene.area_lights[light].radiance)
-        })
-    }
-
-    /// A colour of the light to which each lane's patch belongs.
-    pub fn per_patch(&self, patch: &[u32; LANES], of: impl Fn(usize) -> Rgb) -> V3<Lane> {
-        let of = |p: u32| Vec3::from(of(self.lights.patches[p as usize].light as usize));
-        if self.scene.area_lights.len() == 1 {
-            splat(of(0))
-        } else {
-            from_lanes(&patch.map(of))
-        }
-    }
-
-    /// Radiance along rays that lead to vertex `depth` of a path; without emission there, unless the camera sees it. For
+    /// Radiance along rays that lead to vertex `depth` of a path, with what they find emitting there or without it. For
     /// looking beside silhouettes, so no silhouettes are sought.
+    #[allow(clippy::too_many_arguments)]
     pub fn radiance_along(
         &self,
         rays: RayPacket,
         depth: u32,
+        with_emission: bool,
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
@@ -655,67 +340,16 @@ impl Tracer<'_> {
         };
         let mut store = TileStore::default();
         let mut probed = Counts::default();
-        plain.trace_vertices(rays, depth, stream, index, &mut probed, &mut store);
+        plain.trace_vertices(
+            rays,
+            depth,
+            with_emission,
+            stream,
+            index,
+            &mut probed,
+            &mut store,
+        );
         counts.probe += probed.rays();
-        plain.radiance(&store.vertices)
-    }
-}
-
-impl Vertices {
-    /// Unit shading normals on the side the rays came from.
-    pub fn normal(&self, tracer: &Tracer) -> V3<Lane> {
-        tracer.surface(&mut self.clone()).n
-    }
-}
-
-/// Shadow rays stop a little before the light.
-pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
-
-/// A cosine-distributed direction about +z from two uniform numbers.
-pub fn cosine_direction(u: Lane, v: Lane) -> [Lane; 3] {
-    let radius = u.sqrt();
-    let angle = v * Lane::splat(std::f32::consts::TAU);
-    let (sin, cos) = angle.sin_cos();
-    let up = (Lane::splat(1.0) - u).max(Lane::splat(0.0)).sqrt();
-    [radius * cos, radius * sin, up]
-}
-
-/// A point just off the surface, on the side that `direction` leaves to. The offset is some hundred units in the
-/// last place of the largest coordinate: what rounding can have moved the hit by.
-pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {
-    let size = x.x.abs().max(x.y.abs()).max(x.z.abs()) + Lane::splat(1.0);
-    let step = size * Lane::splat(2e-5) * geometric.dot(direction).signum();
-    x + geometric * step
-}
-
-/// As Embree takes them.
-pub fn to_rays(rays: &RayPacket) -> Rays<LANES> {
-    Rays {
-        org_x: rays.origin.x.to_array(),
-        org_y: rays.origin.y.to_array(),
-        org_z: rays.origin.z.to_array(),
-        tnear: [rays.near; LANES],
-        dir_x: rays.direction.x.to_array(),
-        dir_y: rays.direction.y.to_array(),
-        dir_z: rays.direction.z.to_array(),
-        tfar: [rays.far; LANES],
-    }
-}
-
-/// One lane of a vector.
-pub fn lane_of(v: V3<Lane>, lane: usize) -> Vec3 {
-    Vec3::new(
-        v.x.to_array()[lane],
-        v.y.to_array()[lane],
-        v.z.to_array()[lane],
-    )
-}
-
-/// A vector a lane.
-pub fn from_lanes(v: &[Vec3; LANES]) -> V3<Lane> {
-    V3 {
-        x: Lane::new(v.map(|p| p.x)),
-        y: Lane::new(v.map(|p| p.y)),
-        z: Lane::new(v.map(|p| p.z)),
+        plain.radiance(&store, &store.vertices)
     }
 }

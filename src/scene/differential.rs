@@ -59,6 +59,14 @@ impl SceneDifferential {
         self.camera.is_some() || self.positions.iter().any(Option::is_some)
     }
 
+    /// Whether an index of refraction changes that bends rays.
+    pub fn bends(&self, scene: &Scene) -> bool {
+        scene.materials.iter().any(|m| match m.bsdf {
+            super::Bsdf::Dielectric { eta, .. } => self.texels[eta].is_some(),
+            _ => false,
+        })
+    }
+
     /// Makes room (zeros) for the texels of a texture.
     pub fn want_texels(&mut self, scene: &Scene, texture: usize) -> &mut Vec<Rgb> {
         let texels = scene.textures[texture].texels.len();

@@ -2,7 +2,7 @@
 
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Scene;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// No triangle: the ray hit nothing.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -20,6 +20,8 @@ pub struct Geometry {
     pub first_triangle: Vec<u32>,
     /// Unit shading normal a vertex; empty if no mesh is smooth, zero for flat meshes.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates a vertex; empty if no mesh has them, zero for meshes without.
+    pub uvs: Vec<Vec2>,
     /// Whether each mesh is shaded smoothly.
     pub smooth: Vec<bool>,
 }
@@ -32,6 +34,7 @@ impl Geometry {
             .map(|m| m.normals.vertex().is_some())
             .collect();
         let any_smooth = smooth.contains(&true);
+        let any_uv = scene.meshes.iter().any(|m| !m.uvs.is_empty());
         let mut g = Self {
             positions: Vec::new(),
             triangles: Vec::new(),
@@ -39,6 +42,7 @@ impl Geometry {
             first_vertex: vec![0],
             first_triangle: vec![0],
             normals: Vec::new(),
+            uvs: Vec::new(),
             smooth,
         };
         for (index, mesh) in scene.meshes.iter().enumerate() {
@@ -52,6 +56,10 @@ impl Geometry {
                     Some(normals) => g.normals.extend_from_slice(normals),
                     None => g.normals.resize(g.positions.len(), Vec3::ZERO),
                 }
+            }
+            if any_uv {
+                g.uvs.extend_from_slice(&mesh.uvs);
+                g.uvs.resize(g.positions.len(), Vec2::ZERO);
             }
             g.first_vertex.push(g.positions.len() as u32);
             g.first_triangle.push(g.triangles.len() as u32);

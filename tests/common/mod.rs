@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test needs some of it
 
 pub mod comparison;
+pub mod materials;
 pub mod memory;
 pub mod scenes;
 pub mod shapes;

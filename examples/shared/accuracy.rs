@@ -1,12 +1,10 @@
-//! References, errors and z-scores.
+//! How runs with standard errors compare with a reference, number by number.
 
-use crate::cases::{Case, Options};
-use crate::process::{ForwardRun, Program};
-use crate::{Result, scratch};
-use warpath::output::npy;
+use super::program::ForwardRun;
+use crate::Result;
 
 /// Independent groups behind the standard error of one run: so many as `forward` makes of 16, 64 or 256 samples.
-const GROUPS: f64 = 4.0;
+pub const GROUPS: f64 = 4.0;
 
 /// Standard errors below this share of the reference's RMS are not taken at their word.
 const QUIET: f64 = 1e-3;
@@ -24,56 +22,39 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// The given one, or one by finite differences, made once and kept.
-    pub fn read(program: &Program, case: &Case, options: &Options) -> Result<Self> {
-        let own = scratch().join("reference");
-        let folder = case.given.as_ref().unwrap_or(&own);
-        let file = |kind: &str| folder.join(format!("{}.{}{kind}.npy", case.name, case.filter));
-        if case.given.is_none() && !file("").exists() {
-            std::fs::create_dir_all(folder)?;
-            let (mean, stderr, shape) = differences(program, case, options)?;
-            npy::write(&file(".stderr"), &shape, stderr)?;
-            npy::write(&file(""), &shape, mean)?;
-        }
-        let (array, stderr) = (npy::read(&file(""))?, npy::read(&file(".stderr"))?.values);
-        let &[height, width, 3] = array.shape.as_slice() else {
-            return Err("a reference that is no image".into());
-        };
-        let rms = rms(array.values.iter().map(|x| *x as f64));
+    pub fn new(values: Vec<f32>, stderr: Vec<f32>, size: [usize; 2]) -> Self {
+        let rms = rms(values.iter().map(|x| *x as f64));
         let error = self::rms(stderr.iter().filter(|e| e.is_finite()).map(|x| *x as f64)) / rms;
-        Ok(Self {
-            values: array.values,
+        Self {
+            values,
             stderr,
-            size: [width, height],
+            size,
             rms,
             error,
-        })
+        }
+    }
+
+    /// The mean of independent runs, with the standard error from all groups of all runs together.
+    pub fn mean_of(runs: &[ForwardRun]) -> Self {
+        let n = runs.len() as f64;
+        let number = |i: usize| {
+            let mean = runs.iter().map(|r| r.gradient[i] as f64).sum::<f64>() / n;
+            let variance = of_group(runs, i, mean) / (n * GROUPS);
+            (mean as f32, variance.sqrt() as f32)
+        };
+        let (values, stderr) = (0..runs[0].gradient.len()).map(number).unzip();
+        Self::new(values, stderr, runs[0].size)
     }
 }
 
-type Averaged = (Vec<f32>, Vec<f32>, Vec<usize>);
-
-fn differences(program: &Program, case: &Case, options: &Options) -> Result<Averaged> {
-    let (mut sum, mut variance, mut shape) = (Vec::new(), Vec::new(), Vec::new());
-    for run in 1..=options.reference_runs {
-        eprintln!(
-            "{} ({}): reference, run {run} of {}",
-            case.name, case.filter, options.reference_runs
-        );
-        // Seeds that the runs to be judged do not use.
-        let (array, stderr) = program.differences(case, options.reference_spp, 1_000_000 + run)?;
-        sum.resize(array.values.len(), 0.0f64);
-        variance.resize(array.values.len(), 0.0f64);
-        for (i, (value, error)) in array.values.iter().zip(&stderr).enumerate() {
-            sum[i] += *value as f64;
-            variance[i] += (*error as f64).powi(2);
-        }
-        shape = array.shape;
-    }
-    let n = options.reference_runs as f64;
-    let mean = sum.iter().map(|s| (s / n) as f32).collect();
-    let stderr = variance.iter().map(|v| (v.sqrt() / n) as f32).collect();
-    Ok((mean, stderr, shape))
+/// The variance of what one group of samples gives for number `i`: from the spread of the runs about `mean` and
+/// from that of each run's groups about the run.
+fn of_group(runs: &[ForwardRun], i: usize, mean: f64) -> f64 {
+    let squares = |run: &ForwardRun| {
+        let (between, within) = (run.gradient[i] as f64 - mean, run.stderr[i] as f64);
+        GROUPS * between.powi(2) + GROUPS * (GROUPS - 1.0) * within.powi(2)
+    };
+    runs.iter().map(squares).sum::<f64>() / (runs.len() as f64 * GROUPS - 1.0)
 }
 
 /// How repeated runs compare with a reference.
@@ -135,11 +116,9 @@ impl Accuracy {
             stated += within / n;
             left += (mean - truth).powi(2);
             product += mean * truth;
-            // All groups of all runs together.
-            let of_group = (between * GROUPS + within * GROUPS * (GROUPS - 1.0)) / freedom;
             z.add(
                 mean - truth,
-                of_group / (n * GROUPS),
+                of_group(runs, i, mean) / (n * GROUPS),
                 reference.stderr[i] as f64,
                 reference.rms,
             );
@@ -155,6 +134,12 @@ impl Accuracy {
             stated: (stated / variance).sqrt(),
             z,
         })
+    }
+
+    /// χ²/N, and what is expected of it.
+    pub fn chi_square(&self) -> [f64; 2] {
+        let n = self.z.compared.max(1) as f64;
+        [self.z.squares / n, self.z.expected_square]
     }
 
     /// χ²/N, |z| > 4, …
@@ -201,16 +186,4 @@ fn tail(freedom: f64) -> f64 {
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = values.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
     (sum / n).sqrt()
-}
-
-/// The middle value.
-pub fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let half = values.len() / 2;
-    if values.len() % 2 == 1 {
-        values[half]
-    } else {
-        (values[half - 1] + values[half]) / 2.0
-    }
 }

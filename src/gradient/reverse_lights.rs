@@ -1,0 +1,324 @@
+//! The adjoint sweep over light: emission that rays found, light samples, lights without an extent.
+
+use super::accumulator::TileSums;
+use super::forward::range;
+use super::reverse::{ReverseSweep, Solved, VertexBars};
+use crate::adjoint::interface::interface_value_adjoint;
+use crate::adjoint::light::{
+    direction_irradiance_adjoint, point_irradiance_adjoint, triangle_irradiance_adjoint,
+};
+use crate::kernels::interface::interface_value;
+use crate::kernels::light::{direction_irradiance, point_irradiance, triangle_irradiance};
+use crate::lanes::{LANES, Lane, Mask, Real, V3};
+use crate::paths::camera::splat;
+use crate::paths::materials::texture_at;
+use crate::paths::rays::lane_of;
+use crate::paths::store::{TileStore, masked};
+use crate::scene::DeltaLightKind;
+use crate::trace::geometry::gather;
+use glam::Vec3;
+
+impl ReverseSweep<'_> {
+    /// π times the BSDF toward `w`, of what light samples light.
+    fn value_toward(&self, here: &Solved, w: V3<Lane>) -> V3<Lane> {
+        let vertices = here.vertices;
+        let Some(interface) = &here.interface else {
+            return vertices.colour;
+        };
+        let m = vertices.kinds.masks();
+        let value = interface_value(
+            here.n,
+            vertices.direction,
+            w,
+            *interface,
+            self.transmission(here, here.n.dot(w.normalize())),
+            m.conductor,
+            m.plastic,
+            m.wide,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+        );
+        masked(vertices.kinds.lit_by_samples(), value)
+    }
+
+    /// Adds to the cotangents of the vertex in the lanes of `bits`, and returns that of `w`.
+    fn value_adjoint(
+        &self,
+        here: &Solved,
+        w: V3<Lane>,
+        bits: u32,
+        value_bar: V3<Lane>,
+        bars: &mut VertexBars,
+    ) -> V3<Lane> {
+        let vertices = here.vertices;
+        let Some(interface) = &here.interface else {
+            bars.interface.colour = bars.interface.colour + masked(bits, value_bar);
+            return V3::splat(0.0);
+        };
+        let bits = bits & vertices.kinds.lit_by_samples();
+        let m = vertices.kinds.masks();
+        let (n, direction, w_bar, s, _) = interface_value_adjoint(
+            here.n,
+            vertices.direction,
+            w,
+            *interface,
+            self.transmission(here, here.n.dot(w.normalize())),
+            m.conductor,
+            m.plastic,
+            m.wide,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+            masked(bits, value_bar),
+        );
+        bars.n = bars.n + masked(bits, n);
+        bars.direction = bars.direction + masked(bits, direction);
+        bars.add_interface(bits, &s);
+        masked(bits, w_bar)
+    }
+
+    /// See `forward::ForwardSweep::emission`. `earlier` are the cotangents of the vertex `before`.
+    pub(super) fn emission(
+        &self,
+        here: &Solved,
+        before: Option<&Solved>,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        earlier: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let vertices = here.vertices;
+        let zero = Lane::splat(0.0);
+        let weight = vertices.emission_weight;
+        let on_light = self.lanes_on_lights(here);
+        let bits = weight.gt(zero).to_bits() & vertices.hit & on_light;
+        if bits == 0 {
+            return;
+        }
+        let emitted = self.tracer.emission(vertices);
+        let seen = bits & !vertices.sampled;
+        let weighted = radiance_bar * weight;
+        bars.throughput = bars.throughput + masked(seen, weighted.times(emitted));
+        let mut emitted_bar = masked(seen, weighted.times(vertices.throughput));
+        let sampled = bits & vertices.sampled;
+        if let (Some(from), true) = (before, sampled != 0) {
+            let weighted = masked(sampled, weighted);
+            let throughput = from.vertices.throughput;
+            let [q0, q1, q2] = here.corners;
+            let [b1, b2] = here.b;
+            let irradiance = triangle_irradiance(from.x, from.n, q0, q1, q2, b1, b2);
+            let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - from.x;
+            let value = self.value_toward(from, w);
+            let brings = weighted.times(emitted) * irradiance;
+            earlier.throughput = earlier.throughput + masked(sampled, brings.times(value));
+            emitted_bar = emitted_bar
+                + masked(
+                    sampled,
+                    weighted.times(throughput).times(value) * irradiance,
+                );
+            let value_bar = brings.times(throughput);
+            let w_bar = self.value_adjoint(from, w, sampled, value_bar, earlier);
+            if self.wanted.attached() {
+                let all = weighted.times(emitted).times(throughput).times(value);
+                let (x, n, v0, v1, v2, _, _) = triangle_irradiance_adjoint(
+                    from.x,
+                    from.n,
+                    q0,
+                    q1,
+                    q2,
+                    b1,
+                    b2,
+                    all.x + all.y + all.z,
+                );
+                earlier.x = earlier.x + masked(sampled, x - w_bar);
+                earlier.n = earlier.n + masked(sampled, n);
+                let one = Lane::splat(1.0);
+                let moved = [
+                    v0 + w_bar * (one - b1 - b2),
+                    v1 + w_bar * b1,
+                    v2 + w_bar * b2,
+                ];
+                self.scatter(&vertices.triangle, &here.ids, moved, sampled, sums);
+            }
+        }
+        self.emission_texels(here, bits, seen, emitted_bar, bars, sums);
+    }
+
+    /// Lanes on the lit side of a light.
+    fn lanes_on_lights(&self, here: &Solved) -> u32 {
+        let tracer = self.tracer;
+        (0..LANES)
+            .filter(|&l| here.vertices.hit >> l & 1 == 1)
+            .filter(|&l| {
+                let t = here.vertices.triangle[l] as usize;
+                let mesh = tracer.geometry.mesh_of_triangle[t] as usize;
+                tracer.lights.of_mesh[mesh].is_some() && tracer.sees_front(here.vertices, l)
+            })
+            .fold(0, |bits, l| bits | 1 << l)
+    }
+
+    /// From the radiance that is emitted to its texels; in lanes of `seen` also to where on the light that is.
+    fn emission_texels(
+        &self,
+        here: &Solved,
+        bits: u32,
+        seen: u32,
+        emitted_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let tracer = self.tracer;
+        if !self.wanted.colours() && !tracer.lights.any_texture {
+            return;
+        }
+        let (b1, b2) = (here.b[0].to_array(), here.b[1].to_array());
+        let mut b_bar = bars.b.map(Lane::to_array);
+        for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
+            let triangle = here.vertices.triangle[lane];
+            let mesh = tracer.geometry.mesh_of_triangle[triangle as usize] as usize;
+            let Some(light) = tracer.lights.of_mesh[mesh] else {
+                continue;
+            };
+            let at = [b1[lane], b2[lane]];
+            let bar = lane_of(emitted_bar, lane);
+            let slopes = self.add_light_texels(light as usize, triangle, at, bar, sums);
+            if seen >> lane & 1 == 1 {
+                for (sum, by) in b_bar.iter_mut().zip(slopes) {
+                    sum[lane] += by.dot(bar);
+                }
+            }
+        }
+        bars.b = b_bar.map(Lane::new);
+    }
+
+    /// Adds to the texels of a light's radiance at a point of a triangle; returns the slopes over the barycentrics.
+    fn add_light_texels(
+        &self,
+        light: usize,
+        triangle: u32,
+        b: [f32; 2],
+        bar: Vec3,
+        sums: &mut TileSums,
+    ) -> [Vec3; 2] {
+        let scene = self.tracer.scene;
+        let texture = scene.area_lights[light].radiance;
+        let (found, slopes) = texture_at(scene, self.tracer.geometry, texture, triangle, b);
+        sums.add_texture(self.wanted, texture, &found, bar);
+        slopes
+    }
+
+    pub(super) fn light_sample(
+        &self,
+        here: &Solved,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let tracer = self.tracer;
+        let vertices = here.vertices;
+        let light = &vertices.light;
+        let lit = light.weight.gt(Lane::splat(0.0));
+        if !lit.any() {
+            return;
+        }
+        let bits = lit.to_bits();
+        let emitted = tracer.light_radiance(light);
+        let scale = light.irradiance * light.weight;
+        let path = masked(bits, radiance_bar.times(vertices.throughput));
+        let own = masked(bits, radiance_bar.times(light.value).times(emitted) * scale);
+        bars.throughput = bars.throughput + own;
+        if self.wanted.colours() {
+            let emitted_bar = path.times(light.value) * scale;
+            let (s, r) = (light.s.to_array(), light.r.to_array());
+            for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
+                let patch = &tracer.lights.patches[light.patch[lane] as usize];
+                let (triangle, b) = patch.triangle_at(s[lane], r[lane]);
+                let bar = lane_of(emitted_bar, lane);
+                self.add_light_texels(patch.light as usize, triangle, b, bar, sums);
+            }
+        }
+        let (ids, [b1, b2]) =
+            tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
+        let [q0, q1, q2] = gather(&ids, |v, _| tracer.geometry.positions[v as usize]);
+        let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - here.x;
+        let w_bar = self.value_adjoint(here, w, bits, path.times(emitted) * scale, bars);
+        if !self.wanted.attached() {
+            return;
+        }
+        let all = path.times(light.value).times(emitted) * light.weight;
+        let irradiance_bar = all.x + all.y + all.z;
+        let (x, n, v0, v1, v2, _, _) =
+            triangle_irradiance_adjoint(here.x, here.n, q0, q1, q2, b1, b2, irradiance_bar);
+        let triangle = light.patch.map(|p| self.light_triangle(p));
+        let one = Lane::splat(1.0);
+        let moved = [
+            v0 + w_bar * (one - b1 - b2),
+            v1 + w_bar * b1,
+            v2 + w_bar * b2,
+        ];
+        self.scatter(&triangle, &ids, moved, bits, sums);
+        bars.x = bars.x + masked(bits, x - w_bar);
+        bars.n = bars.n + masked(bits, n);
+    }
+
+    /// Any triangle of the mesh that a patch belongs to.
+    fn light_triangle(&self, patch: u32) -> u32 {
+        let light = self.tracer.lights.patches[patch as usize].light as usize;
+        self.tracer.geometry.first_triangle[self.tracer.scene.area_lights[light].mesh]
+    }
+
+    /// Lights without an extent.
+    pub(super) fn delta_lights(
+        &self,
+        store: &TileStore,
+        here: &Solved,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let scene = self.tracer.scene;
+        let seen = &store.delta_visible[range(here.vertices.delta_lights)];
+        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
+            if seen == 0 {
+                continue;
+            }
+            let (w, irradiance) = match light.kind {
+                DeltaLightKind::Point { position } => {
+                    let p = splat(position);
+                    (p - here.x, point_irradiance(here.x, here.n, p))
+                }
+                DeltaLightKind::Directional { direction } => {
+                    let w = splat(-direction);
+                    (w, direction_irradiance(here.n, w))
+                }
+            };
+            let power = splat(Vec3::from(scene.constant(light.power)));
+            let value = self.value_toward(here, w);
+            let own = masked(seen, radiance_bar.times(value).times(power) * irradiance);
+            bars.throughput = bars.throughput + own;
+            let path = masked(seen, radiance_bar.times(here.vertices.throughput));
+            let power_bar = super::accumulator::sum_lanes(path.times(value) * irradiance, seen);
+            sums.add_texel(self.wanted, light.power, 0, power_bar.as_vec3());
+            let w_bar = self.value_adjoint(here, w, seen, path.times(power) * irradiance, bars);
+            let all = path.times(value).times(power);
+            let irradiance_bar = all.x + all.y + all.z;
+            match light.kind {
+                DeltaLightKind::Point { position } => {
+                    let p = splat(position);
+                    let (x, n, p) = point_irradiance_adjoint(here.x, here.n, p, irradiance_bar);
+                    bars.x = bars.x + masked(seen, x - w_bar);
+                    bars.n = bars.n + masked(seen, n);
+                    let moved = super::accumulator::sum_lanes(p + w_bar, seen);
+                    if moved.is_finite() {
+                        sums.delta_lights[i] += moved;
+                    }
+                }
+                DeltaLightKind::Directional { .. } => {
+                    let (n, _) = direction_irradiance_adjoint(here.n, w, irradiance_bar);
+                    bars.n = bars.n + masked(seen, n);
+                }
+            }
+        }
+    }
+}

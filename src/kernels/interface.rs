@@ -1,0 +1,227 @@
+//! What surfaces do with light, all materials in one: which lanes are of which kind is told by masks.
+//!
+//! Directions are differentiated at a fixed *coordinate* in the frame of the shading normal: the direction itself for
+//! diffuse light, the microfacet's normal h for what is reflected and refracted. With h fixed the lobe turns with the
+//! surface and with the arriving ray as a mirror's image does, whatever its width, and a smooth interface is the case h = n. Per
+//! solid angle of h reflection and refraction both have the value F·D(h)·G₁(ωᵢ)·G₁(ωₒ)·(ωᵢ·h)/cosθᵢ (Walter et al. 2007,
+//! eqs. 20, 21 and the Jacobians 14, 17), in which only D depends on h alone.
+
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::fresnel::{fresnel_conductor, fresnel_dielectric, inner_reflectance};
+use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
+use crate::lanes::{Real, V3};
+
+/// What a surface is made of where a path meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Interface<F> {
+    /// Diffuse reflectance; specular reflectance of conductors and dielectrics.
+    pub colour: V3<F>,
+    /// Specular reflectance of plastics, transmittance of dielectrics.
+    pub second: V3<F>,
+    /// Real part of the index of refraction, inside over outside; dielectrics have it in x.
+    pub eta: V3<F>,
+    pub k: V3<F>,
+    pub alpha: F,
+}
+
+/// What a rough dielectric lets through at the two ends of a diffuse path below it: linear in the cosines and in α
+/// about where it was looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughTransmission<F> {
+    pub at_in: F,
+    pub by_cos_in: F,
+    pub by_alpha_in: F,
+    pub at_out: F,
+    pub by_cos_out: F,
+    pub by_alpha_out: F,
+    /// Mean reflectance from inside.
+    pub inner: F,
+    pub by_alpha_inner: F,
+}
+
+/// The shading normal, mirrored at the plane across the arriving ray if it looks away from that: continuous, and never
+/// below the horizon.
+///
+/// inputs: n -1..1, direction -1..1
+pub fn consistent_normal<F: Real>(n: V3<F>, direction: V3<F>) -> V3<F> {
+    let wi = -direction.normalize();
+    n + wi * (F::splat(-2.0) * n.dot(wi)).max(F::splat(0.0))
+}
+
+/// What reaches a diffuse surface below a dielectric and leaves it again, over π times the irradiance.
+///
+/// inputs: cos_in 0.4..0.9, cos_out 0.4..0.9, colour 0.1..0.9, eta 1.1..1.8, alpha 0.1..0.9, t 0.1..0.6
+#[allow(clippy::too_many_arguments)] // An interface is that many.
+pub fn below_dielectric<F: Real>(
+    cos_in: F,
+    cos_out: F,
+    colour: V3<F>,
+    eta: F,
+    alpha: F,
+    t: RoughTransmission<F>,
+    is_smooth: F::Mask,
+    is_nonlinear: F::Mask,
+) -> V3<F> {
+    let one = F::splat(1.0);
+    let rough_in = t.at_in + t.by_cos_in * cos_in + t.by_alpha_in * alpha;
+    let rough_out = t.at_out + t.by_cos_out * cos_out + t.by_alpha_out * alpha;
+    let smooth_in = one - fresnel_dielectric(cos_in, eta);
+    let smooth_out = one - fresnel_dielectric(cos_out, eta);
+    let through = F::select(is_smooth, smooth_in * smooth_out, rough_in * rough_out);
+    let rough_inner = t.inner + t.by_alpha_inner * alpha;
+    let inner = F::select(is_smooth, inner_reflectance(eta), rough_inner);
+    let scale = through / (eta * eta);
+    let white = V3::splat(1.0);
+    let again = V3::select(is_nonlinear, colour, white) * inner;
+    let left = V3::new(
+        scale / (one - again.x),
+        scale / (one - again.y),
+        scale / (one - again.z),
+    );
+    colour.times(left)
+}
+
+/// π times the BSDF for light that arrives along `w` (not a unit vector) and leaves against `direction`, the ray that
+/// arrived from the camera's side; without what smooth interfaces reflect, and without specular reflection at all
+/// where `has_lobe` does not hold. Zero below the horizon of the unit normal `n`.
+///
+/// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9, t 0.1..0.6
+#[allow(clippy::too_many_arguments)] // An interface is that many.
+pub fn interface_value<F: Real>(
+    n: V3<F>,
+    direction: V3<F>,
+    w: V3<F>,
+    s: Interface<F>,
+    t: RoughTransmission<F>,
+    is_conductor: F::Mask,
+    is_plastic: F::Mask,
+    has_lobe: F::Mask,
+    is_smooth: F::Mask,
+    is_ggx: F::Mask,
+    is_nonlinear: F::Mask,
+) -> V3<F> {
+    let zero = F::splat(0.0);
+    let tiny = F::splat(1e-6);
+    let wi = -direction.normalize();
+    let any = w.normalize();
+    let is_above = n.dot(any).gt(zero);
+    let wo = V3::select(is_above, any, n);
+    let cos_in = n.dot(wi).max(tiny);
+    let cos_out = n.dot(wo).max(tiny);
+    let h = (wi + wo).normalize();
+    let cos_half = wi.dot(h).max(tiny);
+    let across = n.cross(h);
+    let sin2 = across.dot(across);
+    let cos2 = F::splat(1.0) - sin2;
+    let alpha = F::select(is_smooth, F::splat(0.5), s.alpha);
+    let density = facet_density(cos2, sin2, alpha, is_ggx);
+    let hidden =
+        unhidden_over_cos(cos_in, alpha, is_ggx) * unhidden_over_cos(cos_out, alpha, is_ggx);
+    let shape = density * hidden * F::splat(std::f64::consts::PI * 0.25);
+    let metal = V3::new(
+        fresnel_conductor(cos_half, s.eta.x, s.k.x),
+        fresnel_conductor(cos_half, s.eta.y, s.k.y),
+        fresnel_conductor(cos_half, s.eta.z, s.k.z),
+    );
+    let glass = s.second * fresnel_dielectric(cos_half, s.eta.x);
+    let specular = V3::select(is_conductor, s.colour.times(metal), glass) * shape;
+    let below = below_dielectric(
+        cos_in,
+        cos_out,
+        s.colour,
+        s.eta.x,
+        s.alpha,
+        t,
+        is_smooth,
+        is_nonlinear,
+    );
+    let diffuse = V3::select(is_plastic, below, s.colour);
+    let none = V3::splat(0.0);
+    let lobes = V3::select(has_lobe, specular, none) + V3::select(is_conductor, none, diffuse);
+    V3::select(is_above, lobes, none)
+}
+
+/// The next direction (unit) and what the path is multiplied with, per unit of the coordinate's measure: solid angle
+/// times cos/π for diffuse light, solid angle of h for rough lobes, one direction for smooth ones.
+///
+/// (`lx`, `ly`, `lz`) is the coordinate in the frame of the unit normal `n`; `direction` is the ray that arrived. Lanes that
+/// neither scatter diffusely, nor reflect, nor refract go straight on. Radiance that crosses into a denser medium
+/// is squeezed: transmission is divided by the squared ratio of the indices.
+///
+/// inputs: n 0.5..0.6, direction -0.9..-0.5, lx -0.2..0.2, ly -0.2..0.2, lz 0.9..0.95, s 0.3..0.9, t 0.1..0.6
+#[allow(clippy::too_many_arguments)] // An interface is that many.
+pub fn interface_bounce<F: Real>(
+    n: V3<F>,
+    direction: V3<F>,
+    lx: F,
+    ly: F,
+    lz: F,
+    s: Interface<F>,
+    t: RoughTransmission<F>,
+    is_diffuse: F::Mask,
+    is_reflected: F::Mask,
+    is_refracted: F::Mask,
+    is_conductor: F::Mask,
+    is_plastic: F::Mask,
+    is_smooth: F::Mask,
+    is_ggx: F::Mask,
+    is_nonlinear: F::Mask,
+    is_entering: F::Mask,
+) -> (V3<F>, V3<F>) {
+    let zero = F::splat(0.0);
+    let one = F::splat(1.0);
+    let tiny = F::splat(1e-6);
+    let wi = -direction.normalize();
+    let m = direction_from_local(n, lx, ly, lz);
+    let cos_in = n.dot(wi).max(tiny);
+    let cos_half = wi.dot(m).max(tiny);
+    let dense = F::select(is_conductor, F::splat(1.5), s.eta.x);
+    let ratio = F::select(is_entering, dense, one / dense);
+    let reflected = m * (cos_half + cos_half) - wi;
+    let beyond2 = one - (one - cos_half * cos_half) / (ratio * ratio);
+    let passes = beyond2.gt(tiny) & is_refracted;
+    let beyond = F::select(passes, beyond2, one).sqrt();
+    let refracted = m * (cos_half / ratio - beyond) - wi * (one / ratio);
+    let bent = V3::select(
+        is_reflected,
+        reflected,
+        V3::select(is_refracted, refracted, -wi),
+    );
+    let next = V3::select(is_diffuse, m, bent);
+
+    let cos_next = n.dot(next);
+    let cos_out = F::select(is_refracted, -cos_next, cos_next).max(zero);
+    let alpha = F::select(is_smooth, F::splat(0.5), s.alpha);
+    let density = facet_density(lz * lz, lx * lx + ly * ly, alpha, is_ggx);
+    let hidden = unhidden_over_cos(cos_in, alpha, is_ggx)
+        * (cos_out * unhidden_over_cos(cos_out, alpha, is_ggx));
+    let shape = F::select(is_smooth, one, density * hidden * cos_half);
+    let metal = V3::new(
+        fresnel_conductor(cos_half, s.eta.x, s.k.x),
+        fresnel_conductor(cos_half, s.eta.y, s.k.y),
+        fresnel_conductor(cos_half, s.eta.z, s.k.z),
+    );
+    let glass = fresnel_dielectric(cos_half, ratio);
+    let mirror = V3::select(is_plastic, s.second, s.colour) * glass;
+    let reflection = V3::select(is_conductor, s.colour.times(metal), mirror) * shape;
+    let squeezed = shape * (one - glass) / (ratio * ratio);
+    let refraction = s.second * F::select(passes, squeezed, zero);
+    let below = below_dielectric(
+        cos_in,
+        cos_out.max(tiny),
+        s.colour,
+        dense,
+        s.alpha,
+        t,
+        is_smooth,
+        is_nonlinear,
+    );
+    let diffuse = V3::select(is_plastic, below, s.colour);
+    let white = V3::splat(1.0);
+    let specular = V3::select(
+        is_reflected,
+        reflection,
+        V3::select(is_refracted, refraction, white),
+    );
+    (next, V3::select(is_diffuse, diffuse, specular))
+}

@@ -1,0 +1,91 @@
+//! What cannot be differentiated is refused, in words.
+
+use super::EngineError;
+use crate::scene::{Bsdf, Layout, Scene, SceneDifferential};
+
+/// Refuses gradients that would be silently wrong: sharp edges that no cell finds.
+pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineError> {
+    let refuse = |what: String| Err(EngineError::Refused(what));
+    for material in &scene.materials {
+        if let Bsdf::Plastic {
+            eta,
+            microfacets: Some(_),
+            ..
+        } = material.bsdf
+            && request.texels[eta].is_some()
+        {
+            return refuse(format!(
+                "{}: gradients by the index of refraction of a roughplastic are not implemented, since it is built into \
+                 a table",
+                material.key
+            ));
+        }
+    }
+    if !request.moves_geometry() && !request.bends(scene) {
+        return Ok(());
+    }
+    let used = || {
+        let used = scene.meshes.iter().map(|m| m.material);
+        used.map(|m| &scene.materials[m])
+    };
+    for material in used() {
+        let key = &material.key;
+        match material.bsdf {
+            Bsdf::Null => {
+                return refuse(format!(
+                    "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
+                     take the surface out"
+                ));
+            }
+            Bsdf::Conductor {
+                microfacets: None, ..
+            }
+            | Bsdf::Dielectric {
+                microfacets: None, ..
+            }
+            | Bsdf::Plastic {
+                microfacets: None, ..
+            } => {
+                return refuse(format!(
+                    "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
+                     moves would be wrong; use its rough variant with an alpha such as 0.01"
+                ));
+            }
+            _ => {}
+        }
+    }
+    if let Some(light) = scene.delta_lights.first() {
+        return refuse(format!(
+            "{}: the shadows of lights without an extent have sharp edges that are not found, so gradients by what moves \
+             would be wrong; use a small area light",
+            light.key
+        ));
+    }
+    let shown = used().flat_map(|m| m.bsdf.textures());
+    let emitted = scene.area_lights.iter().map(|l| l.radiance);
+    for texture in shown.chain(emitted).map(|t| &scene.textures[t]) {
+        let is_sharp = match texture.layout {
+            Layout::Constant => false,
+            Layout::Checkerboard { .. } => true,
+            Layout::Bitmap { bilinear, .. } => !bilinear,
+        };
+        if is_sharp {
+            return refuse(format!(
+                "{}: the edges inside a checkerboard or a bitmap with filter_type nearest are not found, so gradients by \
+                 what moves would be wrong; use a bilinear bitmap",
+                texture.key
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a reflectance is black somewhere and its gradient is asked for: paths have to go on from black surfaces then.
+pub fn asks_about_black(scene: &Scene, request: &SceneDifferential) -> bool {
+    scene.materials.iter().any(|m| {
+        m.bsdf.textures().into_iter().any(|t| {
+            let is_black = |texel: &[f32; 3]| texel.contains(&0.0);
+            request.texels[t].is_some() && scene.textures[t].texels.iter().any(is_black)
+        })
+    })
+}

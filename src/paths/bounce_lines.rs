@@ -1,0 +1,397 @@
+//! Lines over the hemisphere on which silhouettes are looked for.
+//!
+//! A line is a half great circle from −P to P through a direction M across P: d(ψ) = P·sin ψ + M·cos ψ. With φ turning M about P the
+//! measure is dω = cos ψ dψ dφ. A line drawn with density p(φ) that a silhouette crosses with angular speed ψ̇ contributes
+//! (L₋ − L₊)·f cosθ·ψ̇·cos ψ/p(φ).
+//!
+//! Two families of lines are used, about two orthogonal axes P. Each could find every silhouette, so they are
+//! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
+//! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
+//!
+//! **Diffuse light.** The axes lie on the horizon, and the line goes through the cosine-distributed bounce: p(φ) = sin φ/2, φ counted
+//! from the horizon, so that f cosθ cos ψ/p = 2 cos²ψ/π.
+//!
+//! **Narrow lobes.** The axes lie across the direction in which a smooth surface would reflect or refract. φ is drawn with density
+//! (1 + (φ/a)²)^(−3/2)/2a, the marginal of a lobe of GGX's shape; points on the line have the same distribution, each
+//! with the lobe's width across its own axis.
+
+use super::bounce::{View, frame_of_lane};
+use super::rays::lane_of;
+use super::store::Vertices;
+use super::surface::Surface;
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{Interface, RoughTransmission, interface_bounce};
+use crate::lanes::{Lane, V3};
+use crate::warp::boundary::{dvec3, vector};
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+
+/// Points on a line besides its two ends on the horizon, and the bounce if it lies on it: jittered, so that no silhouette
+/// hides between the same two points for all vertices.
+pub const INNER_POINTS: usize = 4;
+/// Runs that are met with less than this chance are weighed as if it were this.
+const SMALLEST_CHANCE: f64 = 1e-3;
+/// No lobe is taken for narrower (radians).
+const NARROWEST: f64 = 1e-4;
+/// Lines end this far above the horizon (radians), where no ray grazes the surface.
+const RIM: f64 = 1e-4;
+
+/// How points lie on a line.
+#[derive(Clone, Copy, Debug)]
+enum Spread {
+    /// At equal angles, and the bounce.
+    Diffuse,
+    /// Within a lobe of this width.
+    Lobe { width: f64 },
+}
+
+/// One line of one lane.
+pub struct Line {
+    /// P and M, unit and orthogonal.
+    pole: DVec3,
+    middle: DVec3,
+    /// The poles of both families, and which is this line's.
+    poles: [DVec3; 2],
+    axis: usize,
+    spread: Spread,
+    /// 1/p(φ).
+    inverse_density: f64,
+    /// Of all points, increasing.
+    pub psi: Vec<f64>,
+    /// Which of them is the bounce.
+    pub bounce: Option<usize>,
+}
+
+/// The lobe that a lane's path goes on in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    Diffuse,
+    Reflected,
+    Refracted,
+}
+
+impl Lobe {
+    /// Of a lane; `None` where it has no width.
+    pub fn of_lane(vertices: &Vertices, lane: usize) -> Option<Self> {
+        let bit = 1u32 << lane;
+        let lobes = vertices.lobes;
+        if lobes.diffuse & bit != 0 {
+            return Some(Lobe::Diffuse);
+        }
+        if vertices.kinds.smooth & bit != 0 {
+            return None;
+        }
+        if lobes.reflected & bit != 0 {
+            Some(Lobe::Reflected)
+        } else if lobes.refracted & bit != 0 {
+            Some(Lobe::Refracted)
+        } else {
+            None
+        }
+    }
+}
+
+/// What a lane's surface is, in f64.
+pub struct LaneSurface<'a> {
+    vertices: &'a Vertices,
+    surface: &'a Surface,
+    lane: usize,
+    pub lobe: Lobe,
+    pub n: DVec3,
+    direction: DVec3,
+    interface: Option<Interface<f64>>,
+    transmission: Option<[RoughTransmission<f64>; 1]>,
+}
+
+impl<'a> LaneSurface<'a> {
+    pub fn new(vertices: &'a Vertices, surface: &'a Surface, lane: usize, lobe: Lobe) -> Self {
+        Self {
+            vertices,
+            surface,
+            lane,
+            lobe,
+            n: lane_of(surface.n, lane).as_dvec3(),
+            direction: lane_of(vertices.direction, lane).as_dvec3(),
+            interface: surface
+                .interface
+                .as_ref()
+                .map(|s| interface_of_lane(s, lane)),
+            transmission: None,
+        }
+    }
+
+    /// With what a rough plastic lets through, looked up for directions at cosine `cos_out`.
+    fn with_transmission(&mut self, tracer: &super::tracer::Tracer, cos_out: f64) {
+        let all = tracer.transmission(self.vertices, self.surface, Lane::splat(cos_out as f32));
+        self.transmission = Some([transmission_of_lane(&all, self.lane)]);
+    }
+
+    /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
+    fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
+        let bit = |bits: u32| bits >> self.lane & 1 == 1;
+        let Some(interface) = self.interface else {
+            let n = vector(self.n);
+            let next = dvec3(direction_from_local(n, local.x, local.y, local.z));
+            return (next, lane_of(self.vertices.colour, self.lane).as_dvec3());
+        };
+        let none = RoughTransmission {
+            at_in: 0.0,
+            by_cos_in: 0.0,
+            by_alpha_in: 0.0,
+            at_out: 0.0,
+            by_cos_out: 0.0,
+            by_alpha_out: 0.0,
+            inner: 0.0,
+            by_alpha_inner: 0.0,
+        };
+        let kinds = &self.vertices.kinds;
+        let (next, weight) = interface_bounce(
+            vector(self.n),
+            vector(self.direction),
+            local.x,
+            local.y,
+            local.z,
+            interface,
+            self.transmission.map_or(none, |[t]| t),
+            self.lobe == Lobe::Diffuse,
+            self.lobe == Lobe::Reflected,
+            self.lobe == Lobe::Refracted,
+            bit(kinds.conductor),
+            bit(kinds.plastic),
+            bit(kinds.smooth),
+            bit(kinds.ggx),
+            bit(kinds.nonlinear),
+            !bit(kinds.inside),
+        );
+        (dvec3(next), dvec3(weight))
+    }
+
+    /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times cosine there.
+    pub fn value(&mut self, tracer: &super::tracer::Tracer, d: DVec3) -> Option<(DVec3, DVec3)> {
+        let wi = -self.direction.normalize();
+        let (coordinate, density) = match self.lobe {
+            Lobe::Diffuse => (d, self.n.dot(d) * FRAC_1_PI),
+            Lobe::Reflected => {
+                let h = (wi + d).normalize();
+                (h, 0.25 / wi.dot(h))
+            }
+            Lobe::Refracted => {
+                let ratio = self.ratio();
+                let h = (wi + d * ratio).normalize();
+                let h = if h.dot(self.n) < 0.0 { -h } else { h };
+                let (i, o) = (wi.dot(h), d.dot(h));
+                let sum = i + ratio * o;
+                (h, ratio * ratio * o.abs() / (sum * sum))
+            }
+        };
+        if self.lobe == Lobe::Diffuse && self.interface.is_some() {
+            self.with_transmission(tracer, self.n.dot(d));
+        }
+        let frame = frame_of_lane(self.surface, self.lane);
+        let local = DVec3::from(frame.map(|axis| axis.dot(coordinate)));
+        if local.z <= 0.0 {
+            return None;
+        }
+        let (_, weight) = self.bounce(local);
+        Some((local, weight * density))
+    }
+
+    /// Index beyond the interface over that on this side.
+    fn ratio(&self) -> f64 {
+        let eta = self.interface.map_or(1.0, |s| s.eta.x);
+        if self.vertices.kinds.inside >> self.lane & 1 == 1 {
+            1.0 / eta
+        } else {
+            eta
+        }
+    }
+
+    /// +1 if the lobe leaves on the side of the normal, −1 if beyond the surface.
+    fn side(&self) -> f64 {
+        if self.lobe == Lobe::Refracted {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+}
+
+impl Line {
+    /// The line through a diffuse bounce, of which `jitter` in [0, 1) places the points.
+    pub fn diffuse(at: &LaneSurface, bounce: DVec3, axis: usize, jitter: f64, on: bool) -> Self {
+        let frame = frame_of_lane(at.surface, at.lane);
+        let poles = [frame[0], frame[1]];
+        let pole = poles[axis];
+        let middle = (bounce - pole * bounce.dot(pole)).normalize();
+        let of_bounce = bounce.dot(pole).atan2(bounce.dot(middle));
+        let inner =
+            (0..INNER_POINTS).map(|k| PI * (k as f64 + jitter) / INNER_POINTS as f64 - FRAC_PI_2);
+        let mut psi: Vec<f64> = inner.collect();
+        let before = psi.partition_point(|&p| p < of_bounce);
+        if on {
+            psi.insert(before, of_bounce);
+        }
+        psi.insert(0, -FRAC_PI_2);
+        psi.push(FRAC_PI_2);
+        Self {
+            pole,
+            middle,
+            poles,
+            axis,
+            spread: Spread::Diffuse,
+            inverse_density: 2.0 / middle.dot(at.n).max(1e-9),
+            psi,
+            bounce: on.then_some(before + 1),
+        }
+    }
+
+    /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points. `None` if all of it lies below the
+    /// horizon.
+    pub fn lobe(at: &LaneSurface, axis: usize, place: f64, jitter: f64) -> Option<Self> {
+        let (main, _) = at.bounce(DVec3::Z);
+        let frame = frame_of_lane(at.surface, at.lane);
+        let view = View::of_lane(at.vertices, at.surface, at.lane);
+        let across = at.n.cross(view.world);
+        // Where the ray arrives along the normal any plane will do.
+        let across = across.try_normalize().unwrap_or(frame[0]);
+        let across = if across.length_squared() > 0.5 {
+            across
+        } else {
+            frame[0]
+        };
+        let poles = [
+            main.cross(across).normalize(),
+            across - main * across.dot(main),
+        ];
+        let poles = [poles[0], poles[1].normalize()];
+        let tilted = |tangent: DVec3| {
+            let h = (at.n + tangent * view.alpha).normalize();
+            let local = DVec3::from(frame.map(|axis| axis.dot(h)));
+            let angle = at.bounce(local).0.angle_between(main);
+            angle.clamp(NARROWEST, 1.0)
+        };
+        let widths = [tilted(across.cross(at.n)), tilted(across)];
+        let (pole, other) = (poles[axis], poles[1 - axis]);
+        let (width, turn) = (widths[axis], widths[1 - axis]);
+        let q = 2.0 * place - 1.0;
+        let phi = turn * q / (1.0 - q * q).max(1e-12).sqrt();
+        if phi.abs() >= PI {
+            return None;
+        }
+        let middle = main * phi.cos() + other * phi.sin();
+        // n·d = A sin ψ + B cos ψ changes sign once.
+        let (a, b) = (pole.dot(at.n) * at.side(), middle.dot(at.n) * at.side());
+        let zero = -(b / a).atan();
+        let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+        if a > 0.0 {
+            low = zero + RIM;
+        } else if a < 0.0 {
+            high = zero - RIM;
+        } else if b <= 0.0 {
+            return None;
+        }
+        if high - low < RIM {
+            return None;
+        }
+        let scale = 1.0 + (phi / turn).powi(2);
+        let spread = Spread::Lobe { width };
+        let mut psi: Vec<f64> = (0..INNER_POINTS)
+            .map(|k| 2.0 * (k as f64 + jitter) / INNER_POINTS as f64 - 1.0)
+            .map(|q| width * q / (1.0 - q * q).max(1e-12).sqrt())
+            .filter(|p| (low..high).contains(p))
+            .collect();
+        psi.insert(0, low);
+        psi.push(high);
+        Some(Self {
+            pole,
+            middle,
+            poles,
+            axis,
+            spread,
+            inverse_density: 2.0 * turn * scale * scale.sqrt(),
+            psi,
+            bounce: None,
+        })
+    }
+
+    /// The direction at ψ, unit.
+    pub fn direction(&self, psi: f64) -> DVec3 {
+        self.pole * psi.sin() + self.middle * psi.cos().max(0.0)
+    }
+
+    /// Where a direction on the line lies on it.
+    pub fn psi_of(&self, direction: DVec3) -> f64 {
+        self.pole.dot(direction).atan2(self.middle.dot(direction))
+    }
+
+    /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f cosθ, if F = `c`·d.
+    pub fn crossing_weight(&self, c: DVec3, d: DVec3) -> Option<f64> {
+        let along = self.poles.map(|pole| {
+            let toward = pole - d * d.dot(pole);
+            c.dot(toward) / toward.length()
+        });
+        let norm = along[0] * along[0] + along[1] * along[1];
+        if norm.is_nan() || norm <= 0.0 {
+            return None;
+        }
+        let sin_psi = d.dot(self.pole);
+        let cos_psi = (1.0 - sin_psi * sin_psi).max(0.0).sqrt();
+        Some(-along[self.axis] / norm * cos_psi * self.inverse_density)
+    }
+
+    /// The chance that a point of the line falls between ψ = `from` and `to`: one of the jittered points, or the bounce,
+    /// whose density on its line is 2/π cos²ψ.
+    fn chance_of_meeting(&self, from: f64, to: f64) -> f64 {
+        let points = INNER_POINTS as f64;
+        let (jittered, bounce) = match self.spread {
+            Spread::Diffuse => {
+                let below = |psi: f64| (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
+                let bounce = self.bounce.map_or(0.0, |_| below(to) - below(from));
+                ((to - from) * points * FRAC_1_PI, bounce)
+            }
+            Spread::Lobe { width } => {
+                let place = |psi: f64| psi / psi.hypot(width);
+                ((place(to) - place(from)) * 0.5 * points, 0.0)
+            }
+        };
+        (1.0 - (1.0 - jittered.min(1.0)) * (1.0 - bounce)).max(SMALLEST_CHANCE)
+    }
+
+    /// What stands between two silhouettes of a line is met with a chance that is known once it has been met: its
+    /// silhouettes stand for all those that were not. `psi` of all silhouettes on the line, increasing; the two ends of the
+    /// line are always looked at. Returns the weight of each run: before the first silhouette, between them, after the
+    /// last.
+    pub fn run_weights(&self, psi: &[f64]) -> Vec<f64> {
+        let mut weights = vec![1.0; psi.len() + 1];
+        for (weight, ends) in weights[1..].iter_mut().zip(psi.windows(2)) {
+            *weight = 1.0 / self.chance_of_meeting(ends[0], ends[1]);
+        }
+        weights
+    }
+}
+
+/// One lane of an interface.
+pub fn interface_of_lane(s: &Interface<Lane>, lane: usize) -> Interface<f64> {
+    let of = |v: V3<Lane>| vector(lane_of(v, lane).as_dvec3());
+    Interface {
+        colour: of(s.colour),
+        second: of(s.second),
+        eta: of(s.eta),
+        k: of(s.k),
+        alpha: s.alpha.to_array()[lane] as f64,
+    }
+}
+
+fn transmission_of_lane(t: &RoughTransmission<Lane>, lane: usize) -> RoughTransmission<f64> {
+    let of = |x: Lane| x.to_array()[lane] as f64;
+    RoughTransmission {
+        at_in: of(t.at_in),
+        by_cos_in: of(t.by_cos_in),
+        by_alpha_in: of(t.by_alpha_in),
+        at_out: of(t.at_out),
+        by_cos_out: of(t.by_cos_out),
+        by_alpha_out: of(t.by_alpha_out),
+        inner: of(t.inner),
+        by_alpha_inner: of(t.by_alpha_inner),
+    }
+}

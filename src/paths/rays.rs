@@ -1,0 +1,58 @@
+//! Packets of rays, and one lane of a vector.
+
+use crate::lanes::{LANES, Lane, V3};
+use crate::trace::Rays;
+use glam::Vec3;
+
+/// Rays that are about to be traced.
+#[derive(Clone, Copy)]
+pub struct RayPacket {
+    pub active: u32,
+    pub origin: V3<Lane>,
+    pub direction: V3<Lane>,
+    pub near: f32,
+    pub far: f32,
+}
+
+/// Shadow rays stop a little before the light.
+pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
+
+/// A point just off the surface, on the side that `direction` leaves to. The offset is some hundred units in the
+/// last place of the largest coordinate: what rounding can have moved the hit by.
+pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {
+    let size = x.x.abs().max(x.y.abs()).max(x.z.abs()) + Lane::splat(1.0);
+    let step = size * Lane::splat(2e-5) * geometric.dot(direction).signum();
+    x + geometric * step
+}
+
+/// As Embree takes them.
+pub fn to_rays(rays: &RayPacket) -> Rays<LANES> {
+    Rays {
+        org_x: rays.origin.x.to_array(),
+        org_y: rays.origin.y.to_array(),
+        org_z: rays.origin.z.to_array(),
+        tnear: [rays.near; LANES],
+        dir_x: rays.direction.x.to_array(),
+        dir_y: rays.direction.y.to_array(),
+        dir_z: rays.direction.z.to_array(),
+        tfar: [rays.far; LANES],
+    }
+}
+
+/// One lane of a vector.
+pub fn lane_of(v: V3<Lane>, lane: usize) -> Vec3 {
+    Vec3::new(
+        v.x.to_array()[lane],
+        v.y.to_array()[lane],
+        v.z.to_array()[lane],
+    )
+}
+
+/// A vector a lane.
+pub fn from_lanes(v: &[Vec3; LANES]) -> V3<Lane> {
+    V3 {
+        x: Lane::new(v.map(|p| p.x)),
+        y: Lane::new(v.map(|p| p.y)),
+        z: Lane::new(v.map(|p| p.z)),
+    }
+}

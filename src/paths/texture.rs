@@ -1,0 +1,124 @@
+//! What a texture is at a point, and how that changes with its texels and with the point.
+
+use crate::scene::{Layout, Rgb, Texture, Wrap};
+use glam::{Vec2, Vec3};
+
+/// Texels that a point mixes, and the slopes over texture coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Lookup {
+    pub value: Vec3,
+    pub texels: [u32; 4],
+    pub weights: [f32; 4],
+    /// Along u and v as the mesh has them (before `to_uv`).
+    pub by_uv: [Vec3; 2],
+    /// Along u and v after `to_uv`.
+    pub by_place: [Vec3; 2],
+    /// As the mesh has them.
+    pub uv: Vec2,
+}
+
+impl Lookup {
+    fn of_one(texture: &Texture, texel: u32) -> Self {
+        Self {
+            value: Vec3::from(texture.texels[texel as usize]),
+            texels: [texel; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            by_uv: [Vec3::ZERO; 2],
+            by_place: [Vec3::ZERO; 2],
+            uv: Vec2::ZERO,
+        }
+    }
+
+    /// How the value changes if the rows of `to_uv` change by these.
+    pub fn moved(&self, to_uv: &[f32; 6]) -> Vec3 {
+        let row = |r: usize| to_uv[r] * self.uv.x + to_uv[r + 1] * self.uv.y + to_uv[r + 2];
+        self.by_place[0] * row(0) + self.by_place[1] * row(3)
+    }
+
+    /// The cotangent of the rows of `to_uv`.
+    pub fn to_uv_bar(&self, bar: Vec3) -> [f32; 6] {
+        let [x, y] = self.by_place.map(|by| by.dot(bar));
+        let uv = self.uv;
+        [x * uv.x, x * uv.y, x, y * uv.x, y * uv.y, y]
+    }
+
+    /// How the value changes if the texels change by these.
+    pub fn mix(&self, texels: &[Rgb]) -> Vec3 {
+        self.texels
+            .iter()
+            .zip(self.weights)
+            .map(|(&t, w)| Vec3::from(texels[t as usize]) * w)
+            .sum()
+    }
+}
+
+/// The texture at texture coordinates `uv`; constants have the same value everywhere.
+pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
+    match texture.layout {
+        Layout::Constant => Lookup::of_one(texture, 0),
+        Layout::Checkerboard { to_uv } => {
+            let at = to_uv.transform_point2(uv);
+            let is_late = |x: f32| x - x.floor() > 0.5;
+            Lookup::of_one(texture, (is_late(at.x) != is_late(at.y)) as u32)
+        }
+        Layout::Bitmap {
+            width,
+            height,
+            wrap,
+            bilinear,
+            to_uv,
+        } => {
+            let at = to_uv.transform_point2(uv);
+            let size = [width, height];
+            let scale = Vec2::new(width as f32, height as f32);
+            if !bilinear {
+                let [x, y] = [at.x * scale.x, at.y * scale.y].map(|x| x.floor() as i64);
+                let texel = wrapped(x, size[0], wrap) + wrapped(y, size[1], wrap) * width;
+                return Lookup::of_one(texture, texel);
+            }
+            let at = at * scale - 0.5;
+            let low = at.floor();
+            let part = at - low;
+            let [x, y] = [low.x as i64, low.y as i64];
+            let index = |dx: i64, dy: i64| {
+                wrapped(x + dx, size[0], wrap) + wrapped(y + dy, size[1], wrap) * width
+            };
+            let texels = [index(0, 0), index(1, 0), index(0, 1), index(1, 1)];
+            let weights = [
+                (1.0 - part.x) * (1.0 - part.y),
+                part.x * (1.0 - part.y),
+                (1.0 - part.x) * part.y,
+                part.x * part.y,
+            ];
+            let [a, b, c, d] = texels.map(|t| Vec3::from(texture.texels[t as usize]));
+            let by_x = ((b - a) * (1.0 - part.y) + (d - c) * part.y) * scale.x;
+            let by_y = ((c - a) * (1.0 - part.x) + (d - b) * part.x) * scale.y;
+            let m = to_uv.matrix2;
+            Lookup {
+                value: a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3],
+                texels,
+                weights,
+                by_uv: [
+                    by_x * m.x_axis.x + by_y * m.x_axis.y,
+                    by_x * m.y_axis.x + by_y * m.y_axis.y,
+                ],
+                by_place: [by_x, by_y],
+                uv,
+            }
+        }
+    }
+}
+
+/// The texel that stands for texel `at` of a row of `size`.
+fn wrapped(at: i64, size: u32, wrap: Wrap) -> u32 {
+    let size = size as i64;
+    let inside = match wrap {
+        Wrap::Repeat => at.rem_euclid(size),
+        Wrap::Clamp => at.clamp(0, size - 1),
+        Wrap::Mirror => {
+            let at = at.rem_euclid(2 * size);
+            at.min(2 * size - 1 - at)
+        }
+    };
+    inside as u32
+}
