@@ -1,6 +1,7 @@
 //! Finds Embree 4 or else 3, compiles the shim against its header and binds the shim's own header.
 
-use std::{env, panic, path::PathBuf, process};
+use crate::shim::{self, preprocess, rerun_if_replaced, stop};
+use std::env;
 
 const NEEDS: &str = "install what is missing with: sudo apt-get install libembree-dev libclang-dev";
 
@@ -26,45 +27,26 @@ pub fn build() {
         ));
     }
     println!("cargo::rustc-link-lib=embree{version}");
-    bind();
+    shim::bind("embree_shim", NEEDS);
 }
 
 /// `"4"` or `"3"`, whichever header the C compiler finds first.
 fn installed_version() -> &'static str {
-    if preprocess("any_compiler.c", "").is_none() {
+    if preprocess(&mut cc::Build::new(), "any_compiler.c", "").is_none() {
         stop("no C compiler is installed: sudo apt-get install build-essential");
     }
     for version in ["4", "3"] {
         let header = format!("embree{version}/rtcore.h");
         let source = format!("#include <{header}>\n");
-        if let Some(text) = preprocess(&format!("has_embree{version}.c"), &source) {
-            // Another version of Embree in its place must be built against anew.
-            let mut paths = text.split('"').filter(|path| path.ends_with(&header));
-            if let Some(path) = paths.next() {
-                println!("cargo::rerun-if-changed={path}");
-            }
+        let probe = format!("has_embree{version}.c");
+        if let Some(text) = preprocess(&mut cc::Build::new(), &probe, &source) {
+            rerun_if_replaced(&text, &header);
             return version;
         }
     }
     stop(&format!(
         "neither Embree 4 nor Embree 3 is installed: {NEEDS}"
     ))
-}
-
-/// What the C preprocessor makes of `source`, if it takes it.
-fn preprocess(name: &str, source: &str) -> Option<String> {
-    let probe = out_dir().join(name);
-    if let Err(e) = std::fs::write(&probe, source) {
-        stop(&format!("cannot write {}: {e}", probe.display()));
-    }
-    let mut compiler = cc::Build::new();
-    compiler.cargo_metadata(false).cargo_warnings(false);
-    let text = compiler.file(&probe).try_expand().ok()?;
-    Some(String::from_utf8_lossy(&text).into_owned())
-}
-
-fn out_dir() -> PathBuf {
-    PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"))
 }
 
 /// The vector instructions rustc was told to use, for the C compiler too.
@@ -79,31 +61,4 @@ fn vector_flags() -> impl Iterator<Item = &'static str> {
     .into_iter()
     .filter(move |(feature, _)| features.split(',').any(|f| f == *feature))
     .map(|(_, flag)| flag)
-}
-
-fn bind() {
-    let builder = bindgen::Builder::default()
-        .header("ffi/embree_shim.h")
-        .use_core();
-    // Without libclang bindgen panics, with several lines about paths: one sentence is enough.
-    panic::set_hook(Box::new(|_| {}));
-    let bindings = panic::catch_unwind(panic::AssertUnwindSafe(|| builder.generate()));
-    let _ = panic::take_hook();
-    match bindings {
-        Err(_) => stop(&format!(
-            "bindgen found no libclang, which reads ffi/embree_shim.h for it: {NEEDS}"
-        )),
-        Ok(Err(e)) => stop(&format!("bindgen cannot read ffi/embree_shim.h: {e}")),
-        Ok(Ok(bindings)) => {
-            let path = out_dir().join("embree_shim.rs");
-            if let Err(e) = bindings.write_to_file(&path) {
-                stop(&format!("cannot write {}: {e}", path.display()));
-            }
-        }
-    }
-}
-
-fn stop(sentence: &str) -> ! {
-    println!("cargo::error={sentence}");
-    process::exit(1)
 }

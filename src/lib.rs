@@ -1,7 +1,7 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `lanes → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → cli`.
+//! `lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → cli`.
 
 pub mod adjoint;
 pub mod cli;
@@ -11,6 +11,7 @@ pub mod lanes;
 pub mod methods;
 pub mod output;
 pub mod paths;
+pub mod picture;
 pub mod scene;
 pub mod trace;
 pub mod warp;
