@@ -1,11 +1,13 @@
 //! `bitmap`: a picture over the unit square of texture coordinates.
 
 use super::to_uv::to_uv;
+use crate::picture::{Colours, PictureError, decode};
 use crate::scene::camera::no_children;
 use crate::scene::data::{Layout, Rgb, Texture, Wrap};
 use crate::scene::error::SceneError;
 use crate::scene::input::Input;
 use crate::scene::xml::Object;
+use glam::Affine2;
 
 /// Luminance of linear sRGB, as Mitsuba weighs it.
 const LUMINANCE: Rgb = [0.212_671, 0.715_160, 0.072_169];
@@ -64,7 +66,24 @@ pub(in crate::scene) fn picture(
     key: String,
     raw: bool,
 ) -> Result<Texture, SceneError> {
-    input.named_file(object, "exr")?;
-    let (_, _) = (key, raw);
-    Err(object.property_error("filename", "pictures cannot be read yet"))
+    let file = input.named_file(object, "exr")?;
+    let colours = if raw { Colours::Raw } else { Colours::Auto };
+    let picture = decode(&file.bytes, &file.path, colours).map_err(|error| match error {
+        PictureError::Io { file, source } => SceneError::Io {
+            file: file.display().to_string(),
+            source,
+        },
+        wrong => object.property_error("filename", wrong.to_string()),
+    })?;
+    Ok(Texture {
+        texels: picture.pixels,
+        layout: Layout::Bitmap {
+            width: picture.width,
+            height: picture.height,
+            wrap: Wrap::Repeat,
+            bilinear: true,
+            to_uv: Affine2::IDENTITY,
+        },
+        ..Texture::constant(key, [0.0; 3])
+    })
 }
