@@ -230,7 +230,7 @@ fn surface_cases() -> Vec<Case> {
         bsdf("bitmap of no file", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"filename\" value=\"nope.png\"/></texture>", &["s.xml:4:1", "nope.png"]),
         bsdf("unknown wrap mode", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"wrap_mode\" value=\"repat\"/></texture>", &["s.xml:4:1", "\"repeat\""]),
         bsdf("unknown filter", "diffuse <texture type=\"bitmap\" name=\"reflectance\">\n<string name=\"filter_type\" value=\"cubic\"/></texture>", &["s.xml:4:1", "bilinear, nearest"]),
-        inside("colour and number", "<texture type=\"checkerboard\" id=\"t\"/><bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>\n<bsdf type=\"roughconductor\"><ref id=\"t\" name=\"alpha\"/></bsdf>", &["s.xml:3:30", "both as a colour and as a number"]),
+        inside("colour and number", "<texture type=\"checkerboard\" id=\"t\"/><bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>\n<bsdf type=\"roughconductor\"><ref id=\"t\" name=\"alpha\"/></bsdf>", &["s.xml:3:29", "both as a colour and as a number"]),
         inside("shared with emission", "<texture type=\"checkerboard\" id=\"t\"><float name=\"color0\" value=\"5\"/></texture><shape type=\"cube\"><emitter type=\"area\"><ref id=\"t\" name=\"radiance\"/></emitter></shape>\n<bsdf type=\"diffuse\"><ref id=\"t\" name=\"reflectance\"/></bsdf>", &["s.xml:3:22", "between 0 and 1", "5"]),
         inside("texture on a shape", "<shape type=\"cube\">\n<texture type=\"checkerboard\"/></shape>", &["s.xml:3:1", "cannot stand inside"]),
         inside("wrong texture in the scene", "<texture type=\"checkerboard\" id=\"t\">\n<rgb name=\"color0\" value=\"-1\"/></texture>", &["s.xml:2:1", "at least 0"]),
@@ -244,6 +244,13 @@ fn surface_cases() -> Vec<Case> {
         emitter("no direction", "directional", "<vector name=\"direction\" value=\"0\"/>", &["s.xml:3:1", "no length"]),
         emitter("two directions", "directional", "<vector name=\"direction\" x=\"1\"/>\n<transform name=\"to_world\"/>", &["s.xml:4:1", "together with \"direction\""]),
         emitter("textured sky", "constant", "<texture type=\"checkerboard\" name=\"radiance\"/>", &["s.xml:3:1", "cannot stand inside"]),
+        picture("no picture", "diffuse", "reflectance", b"hello".to_vec(), &["s.xml:3:1", "m.pfm"]),
+        picture("truncated picture", "diffuse", "reflectance", floats(2, 2, 0.5)[..40].to_vec(), &["s.xml:3:1", "m.pfm"]),
+        picture("picture of infinity", "diffuse", "reflectance", floats(2, 2, f32::INFINITY), &["s.xml:3:1", "m.pfm", "not finite"]),
+        picture("picture of emission", "diffuse", "reflectance", floats(2, 2, 1.5), &["s.xml:2:22", "between 0 and 1", "column 0, row 0", "1.5"]),
+        picture("picture of negative roughness", "roughconductor", "alpha", floats(2, 2, -1.0), &["s.xml:2:29", "column 0, row 0", "-1"]),
+        sky("small sky", floats(2, 2, 1.0), &["s.xml:3:1", "2 columns and 3 rows"]),
+        sky("negative sky", floats(4, 4, -1.0), &["s.xml:3:1", "at least 0"]),
         textured("no coordinates in a ply", "m.ply", ply("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), Kind::Scene, &["s.xml:3:1", "no texture coordinates"]),
         textured("no coordinates in an obj", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Kind::Scene, &["s.xml:3:1", "no texture coordinates"]),
         textured("some coordinates in an obj", "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 1/1 2 3/1\n", Kind::Mesh, &["m.obj:6", "no texture coordinates"]),
@@ -251,6 +258,38 @@ fn surface_cases() -> Vec<Case> {
         textured("half a coordinate", "m.obj", "vt 0.5\n", Kind::Mesh, &["m.obj:1", "two numbers"]),
         textured("infinite coordinate", "m.ply", ply("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").replace("property float z\n", "property float z\nproperty float s\nproperty float t\n").replace("1 0 0\n", "1 0 0 inf 0\n").replace("\n0 0 0\n", "\n0 0 0 0 0\n").replace("\n0 1 0\n", "\n0 1 0 0 0\n"), Kind::Mesh, &["m.ply", "vertex 1", "not finite"]),
     ]
+}
+
+/// A rectangle whose `slot` reads the picture `m.pfm` on line 3.
+fn picture(
+    name: &'static str,
+    plugin: &str,
+    slot: &str,
+    bytes: Vec<u8>,
+    says: &'static [&'static str],
+) -> Case {
+    let bsdf = format!(
+        "<bsdf type=\"{plugin}\"><texture type=\"bitmap\" name=\"{slot}\">\n\
+         <string name=\"filename\" value=\"m.pfm\"/></texture></bsdf>"
+    );
+    let mut case = inside(name, &bsdf, says);
+    case.files.push(("m.pfm", bytes));
+    case
+}
+
+/// An environment map `m.pfm`, named on line 3.
+fn sky(name: &'static str, bytes: Vec<u8>, says: &'static [&'static str]) -> Case {
+    let emitter =
+        "<emitter type=\"envmap\">\n<string name=\"filename\" value=\"m.pfm\"/></emitter>";
+    let mut case = inside(name, emitter, says);
+    case.files.push(("m.pfm", bytes));
+    case
+}
+
+/// A picture of one colour.
+fn floats(width: usize, height: usize, value: f32) -> Vec<u8> {
+    let header = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
+    [header, value.to_le_bytes().repeat(3 * width * height)].concat()
 }
 
 /// A shape with a texture that reads the mesh file `file` on line 3.

@@ -1,12 +1,12 @@
 //! Good scenes: Mitsuba's defaults and conventions.
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Affine2, Vec2, Vec3, Vec3A};
 use std::io;
 use std::path::Path;
 use warpath::scene::source::{FileSource, Memory};
 use warpath::scene::{
     Bsdf, DeltaLightKind, Distribution, Filter, Layout, Microfacets, Normals, Rgb, Scene,
-    SceneError, load_from,
+    SceneError, Wrap, load_from,
 };
 
 const SENSOR: &str =
@@ -620,4 +620,132 @@ fn files_have_texture_coordinates() {
     assert_eq!(scene.meshes[2].triangles, [[0, 1, 2], [0, 4, 3]]);
     // Without a texture vertices are not split.
     assert_eq!(scene.meshes[4].positions.len(), 4);
+}
+
+/// A picture file of 32-bit floating-point numbers (PFM, bottom row first) with `colour` at each column and row from the top.
+fn floats(width: u32, height: u32, colour: impl Fn(u32, u32) -> Rgb) -> Vec<u8> {
+    let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
+    for y in (0..height).rev() {
+        for x in 0..width {
+            bytes.extend(colour(x, y).into_iter().flat_map(f32::to_le_bytes));
+        }
+    }
+    bytes
+}
+
+/// An 8-bit PNG of one row.
+fn bytes_of_a_row(row: &[[u8; 3]]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, row.len() as u32, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(row.as_flattened()).unwrap();
+    drop(writer);
+    bytes
+}
+
+#[test]
+fn bitmaps_have_texels_wrapping_and_a_place() {
+    let files = Memory::new()
+        .with(
+            "s/f.pfm",
+            floats(3, 2, |x, y| [x as f32 * 0.1, y as f32, 0.5]),
+        )
+        .with("s/b.png", bytes_of_a_row(&[[0, 188, 255], [51, 51, 51]]));
+    let texture = |name: &str, inside: &str| {
+        format!(
+            "<texture type=\"bitmap\" name=\"{name}\"><string name=\"filename\" {inside}</texture>"
+        )
+    };
+    let float = texture("reflectance", "value=\"f.pfm\"/>");
+    let options = "value=\"b.png\"/><string name=\"wrap_mode\" value=\"clamp\"/><string name=\"filter_type\" value=\"nearest\"/>\
+        <transform name=\"to_uv\"><scale value=\"2\"/></transform>";
+    let decoded = texture("reflectance", options);
+    let raw = texture(
+        "alpha",
+        "value=\"b.png\"/><boolean name=\"raw\" value=\"true\"/>",
+    );
+    let shape = |bsdf: String| {
+        format!(
+            "<shape type=\"rectangle\" id=\"{}\">{bsdf}</shape>",
+            bsdf.len()
+        )
+    };
+    let inside = [
+        shape(format!("<bsdf type=\"diffuse\">{float}</bsdf>")),
+        shape(format!("<bsdf type=\"diffuse\">{decoded}</bsdf>")),
+        shape(format!("<bsdf type=\"roughconductor\">{raw}</bsdf>")),
+    ];
+    let scene = with_files(&format!("{}{SENSOR}", inside.concat()), files, &[]);
+    let [float, decoded] =
+        [0, 1].map(|m: usize| &scene.textures[scene.materials[m].bsdf.colour().unwrap()]);
+    // Row by row from the top.
+    assert_eq!(float.texels[1], [0.1, 0.0, 0.5]);
+    assert_eq!(float.texels[3], [0.0, 1.0, 0.5]);
+    assert_eq!(
+        float.layout,
+        Layout::Bitmap {
+            width: 3,
+            height: 2,
+            wrap: Wrap::Repeat,
+            bilinear: true,
+            to_uv: Affine2::IDENTITY
+        }
+    );
+    assert_eq!(
+        decoded.layout,
+        Layout::Bitmap {
+            width: 2,
+            height: 1,
+            wrap: Wrap::Clamp,
+            bilinear: false,
+            to_uv: Affine2::from_scale(Vec2::splat(2.0))
+        }
+    );
+    let [r, g, b] = decoded.texels[0];
+    assert!(r == 0.0 && (g - 0.502_886).abs() < 1e-5 && b == 1.0, "{g}");
+    // As a number: the luminance of what is stored, with Mitsuba's weights.
+    let alpha = scene.materials[2]
+        .bsdf
+        .slots()
+        .into_iter()
+        .find(|s| s.0 == "alpha");
+    let alpha = &scene.textures[alpha.unwrap().1];
+    assert_eq!((alpha.channels, alpha.texels[1]), (1, [0.2; 3]));
+    let luminance = 0.715_160 * 188.0 / 255.0 + 0.072_169;
+    assert!((alpha.texels[0][0] - luminance).abs() < 1e-6);
+    let keys = warpath::scene::parameters::list(&scene);
+    let data = keys
+        .iter()
+        .find(|p| p.key.ends_with("reflectance.data"))
+        .unwrap();
+    assert_eq!(data.shape, [2, 3, 3]);
+    let data = keys.iter().find(|p| p.key.ends_with("alpha.data")).unwrap();
+    assert_eq!(data.shape, [1, 2, 1]);
+}
+
+#[test]
+fn environment_maps_turn_and_scale() {
+    let files = Memory::new().with("s/sky.pfm", floats(4, 3, |x, y| [x as f32, y as f32, 7.0]));
+    let sky = "<emitter type=\"envmap\" id=\"sky\"><string name=\"filename\" value=\"sky.pfm\"/><float name=\"scale\" value=\"2\"/>\
+        <transform name=\"to_world\"><rotate x=\"1\" angle=\"90\"/><translate x=\"9\"/></transform></emitter>";
+    let scene = with_files(&format!("{sky}{SENSOR}"), files.clone(), &[]);
+    let environment = scene.environment.as_ref().unwrap();
+    let map = environment.map.unwrap();
+    assert_eq!(map.scale, 2.0);
+    assert!((map.to_world * Vec3::Y - Vec3::Z).length() < 1e-6);
+    let texture = &scene.textures[environment.radiance];
+    assert_eq!(
+        (texture.key.as_str(), texture.texels[5]),
+        ("sky", [1.0, 1.0, 7.0])
+    );
+    let keys = warpath::scene::parameters::list(&scene);
+    let keys: Vec<&str> = keys.iter().map(|p| p.key.as_str()).take(3).collect();
+    assert_eq!(keys, ["sky.data", "sky.scale", "sky.rotation"]);
+    let hash = |sky: &str| with_files(&format!("{sky}{SENSOR}"), files.clone(), &[]).hash;
+    let other = Memory::new().with("s/sky.pfm", floats(4, 3, |_, _| [0.0; 3]));
+    assert_ne!(
+        hash(sky),
+        with_files(&format!("{sky}{SENSOR}"), other, &[]).hash
+    );
 }

@@ -9,7 +9,9 @@ use warpath::scene::{Scene, load_from};
 
 const SCENE: &str = "<scene version=\"3.0.0\"><sensor type=\"perspective\" id=\"cam\"><float name=\"fov\" value=\"40\"/>\
     </sensor><shape type=\"obj\" id=\"obj\"><string name=\"filename\" value=\"m.obj\"/><emitter type=\"area\"/></shape>\
-    <shape type=\"cube\" id=\"cube\"/><emitter type=\"constant\" id=\"env\"/></scene>";
+    <shape type=\"cube\" id=\"cube\"><bsdf type=\"roughdielectric\"><texture type=\"checkerboard\" name=\"alpha\"/></bsdf></shape>\
+    <shape type=\"cube\"><bsdf type=\"roughconductor\"><string name=\"material\" value=\"Au\"/></bsdf></shape>\
+    <emitter type=\"point\" id=\"bulb\"/><emitter type=\"directional\" id=\"sun\"/><emitter type=\"constant\" id=\"env\"/></scene>";
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
 
 fn scene() -> &'static (Scene, Vec<Parameter>) {

@@ -1,7 +1,7 @@
 //! Emitters: how a surface, a point, a direction or the environment shines.
 
 use super::camera::no_children;
-use super::data::{DeltaLight, DeltaLightKind, Environment, EnvironmentMap, Layout, Texture, Wrap};
+use super::data::{DeltaLight, DeltaLightKind, Environment, EnvironmentMap, Layout};
 use super::error::SceneError;
 use super::input::Input;
 use super::rigid::rigid;
@@ -55,31 +55,21 @@ pub(super) fn environment<'a>(
         return Err(object.property_error("scale", what));
     }
     let to_world = rigid(object, "the environment's")?.matrix3.as_mat3();
-    let picture = picture(input, object, false)?;
-    let [width, height] = SMALLEST_MAP;
-    if picture.width < width || picture.height < height {
+    let texture = picture(input, object, key.clone(), false)?;
+    if let Layout::Bitmap { width, height, .. } = texture.layout
+        && (width < SMALLEST_MAP[0] || height < SMALLEST_MAP[1])
+    {
         let what = format!(
-            "an environment map has at least {width} columns and {height} rows, this one has {} and {}",
-            picture.width, picture.height
+            "an environment map has at least {} columns and {} rows, this one has {width} and {height}",
+            SMALLEST_MAP[0], SMALLEST_MAP[1]
         );
         return Err(object.property_error("filename", what));
     }
-    if let Some(bad) = picture.texels.iter().flatten().find(|v| !(**v >= 0.0)) {
+    if let Some(bad) = texture.texels.iter().flatten().find(|v| **v < 0.0) {
         let what = format!("the radiance of an environment map must be at least 0; it has {bad}");
         return Err(object.property_error("filename", what));
     }
-    let radiance = textures.push(Texture {
-        texels: picture.texels,
-        channels: 3,
-        layout: Layout::Bitmap {
-            width: picture.width,
-            height: picture.height,
-            wrap: Wrap::Repeat,
-            bilinear: true,
-            to_uv: glam::Affine2::IDENTITY,
-        },
-        ..Texture::constant(key.clone(), [0.0; 3])
-    });
+    let radiance = textures.push(texture);
     Ok(Environment {
         key,
         radiance,

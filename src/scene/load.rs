@@ -7,6 +7,7 @@ use super::error::SceneError;
 use super::input::Input;
 use super::material::Materials;
 use super::names::Names;
+use super::reads::properties_of;
 use super::shape;
 use super::source::{Disk, FileSource, Fnv1a};
 use super::texture::Textures;
@@ -208,96 +209,5 @@ impl<'a> Loader<'a> {
             );
             self.scene.warnings.push(what);
         }
-    }
-}
-
-/// The properties that a plugin reads, for hints.
-fn properties_of(object: &Object) -> &'static [&'static str] {
-    match (object.tag, object.plugin.as_str()) {
-        ("integrator", "direct") => &["rr_depth", "hide_emitters"],
-        ("integrator", _) => &["max_depth", "rr_depth", "hide_emitters"],
-        ("sensor", _) => &[
-            "fov",
-            "fov_axis",
-            "to_world",
-            "near_clip",
-            "far_clip",
-            "principal_point_offset_x",
-            "principal_point_offset_y",
-        ],
-        ("film", _) => &[
-            "width",
-            "height",
-            "crop_offset_x",
-            "crop_offset_y",
-            "crop_width",
-            "crop_height",
-            "sample_border",
-            "pixel_format",
-            "component_format",
-            "file_format",
-        ],
-        ("sampler", _) => &["sample_count", "seed"],
-        ("rfilter", "tent") => &["radius"],
-        ("rfilter", "gaussian") => &["stddev"],
-        ("shape", "ply" | "obj") => &[
-            "filename",
-            "face_normals",
-            "flip_normals",
-            "flip_tex_coords",
-            "to_world",
-        ],
-        ("shape", "sphere") => &[
-            "center",
-            "radius",
-            "face_normals",
-            "flip_normals",
-            "to_world",
-        ],
-        ("shape", _) => &["flip_normals", "to_world"],
-        ("bsdf", "diffuse") => &["reflectance"],
-        ("bsdf", "conductor") => &["material", "eta", "k", "specular_reflectance"],
-        ("bsdf", "roughconductor") => &[
-            "material",
-            "eta",
-            "k",
-            "specular_reflectance",
-            "distribution",
-            "alpha",
-            "alpha_u",
-            "alpha_v",
-        ],
-        ("bsdf", "dielectric") => &[
-            "int_ior",
-            "ext_ior",
-            "specular_reflectance",
-            "specular_transmittance",
-        ],
-        ("bsdf", "roughdielectric") => &[
-            "int_ior",
-            "ext_ior",
-            "specular_reflectance",
-            "specular_transmittance",
-            "distribution",
-            "alpha",
-            "alpha_u",
-            "alpha_v",
-        ],
-        ("bsdf", "plastic" | "roughplastic") => &[
-            "int_ior",
-            "ext_ior",
-            "diffuse_reflectance",
-            "specular_reflectance",
-            "nonlinear",
-            "distribution",
-            "alpha",
-        ],
-        ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
-        ("texture", _) => &["color0", "color1", "to_uv"],
-        ("emitter", "envmap") => &["filename", "scale", "to_world"],
-        ("emitter", "point") => &["position", "intensity", "to_world"],
-        ("emitter", "directional") => &["direction", "irradiance", "to_world"],
-        ("emitter", _) => &["radiance"],
-        _ => &[],
     }
 }

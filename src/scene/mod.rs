@@ -14,6 +14,7 @@ pub mod metals;
 mod names;
 mod nearest;
 pub mod parameters;
+mod reads;
 mod rigid;
 mod shape;
 pub mod source;

@@ -47,15 +47,7 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
 pub(super) struct Textures {
     pub list: Vec<Texture>,
     /// By the texture element that they come from.
-    by_object: HashMap<usize, Known>,
-}
-
-/// A texture element that was met before.
-#[derive(Clone, Copy)]
-struct Known {
-    texture: usize,
-    /// A grey picture, which serves for colours as well as for numbers.
-    is_grey: bool,
+    by_object: HashMap<usize, usize>,
 }
 
 impl Textures {
@@ -76,8 +68,8 @@ impl Textures {
         place: &Place,
     ) -> Result<usize, SceneError> {
         if let Some(&known) = self.by_object.get(&index) {
-            let texture = &mut self.list[known.texture];
-            if texture.channels != kind.channels && !known.is_grey {
+            let texture = &mut self.list[known];
+            if texture.channels != kind.channels {
                 let what =
                     "this texture is used both as a colour and as a number; write it out twice";
                 return Err(SceneError::at(place, what));
@@ -87,16 +79,13 @@ impl Textures {
                 texture.limits[1].min(kind.limits[1]),
             ];
             check(texture, place)?;
-            return Ok(known.texture);
+            return Ok(known);
         }
         let tree = input.tree;
         let object = &tree.objects[index];
         let key = input.scene_id(index).unwrap_or(key).to_string();
-        let (mut texture, is_grey) = match object.plugin.as_str() {
-            "checkerboard" => {
-                let board = checkerboard::checkerboard(tree, object, key, kind.channels)?;
-                (board, false)
-            }
+        let mut texture = match object.plugin.as_str() {
+            "checkerboard" => checkerboard::checkerboard(tree, object, key, kind.channels)?,
             _ => bitmap::bitmap(input, object, key, kind.channels)?,
         };
         texture.limits = kind.limits;
@@ -105,7 +94,7 @@ impl Textures {
         }
         check(&texture, place)?;
         let texture = self.push(texture);
-        self.by_object.insert(index, Known { texture, is_grey });
+        self.by_object.insert(index, texture);
         Ok(texture)
     }
 
