@@ -24,7 +24,7 @@ impl Agreement {
     /// Both need `LEAST_RUNS`. Standard errors are by the jackknife: each run is left out once.
     pub fn of(runs: &[ForwardRun], reference: &[ForwardRun]) -> Self {
         let (a, b) = (Sums::new(runs), Sums::new(reference));
-        let [amplitude, bias_square, error_square] = figures(&a, None, &b, None);
+        let [amplitude, bias_square, spread_square] = figures(&a, None, &b, None);
         let mut variance = [0.0; 2];
         for side in 0..2 {
             let left_out: Vec<[f64; 3]> = match side {
@@ -54,7 +54,7 @@ impl Agreement {
                 value: bias_square,
                 error: bias_error,
             },
-            error: error_square.max(0.0).sqrt(),
+            error: (bias_square.max(0.0) + spread_square).sqrt(),
         }
     }
 
@@ -113,7 +113,7 @@ impl Sums {
     }
 }
 
-/// Amplitude, square of the bias and square of the error of one run, each without a bias of its own.
+/// Amplitude, square of the bias and variance of one run, each without a bias of its own.
 fn figures(
     a: &Sums,
     without_a: Option<&ForwardRun>,
@@ -129,5 +129,5 @@ fn figures(
         apart += (mean - truth).powi(2) - variance / n - noise / m;
         spread += variance;
     }
-    [product / power, apart / power, (apart + spread) / power]
+    [product / power, apart / power, spread / power]
 }

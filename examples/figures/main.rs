@@ -43,7 +43,9 @@ fn main() -> Result<ExitCode> {
             vec![format!(
                 "{} | not made: {} | | | | | | | |",
                 label(figure),
-                why.to_string().replace('|', "\\|")
+                why.to_string()
+                    .trim_start_matches("error: ")
+                    .replace('|', "\\|")
             )]
         });
         for row in rows {
@@ -64,7 +66,6 @@ fn main() -> Result<ExitCode> {
 fn make(program: &Program, figure: &Figure, options: &Options) -> Result<Vec<String>> {
     eprintln!("{}", figure.name);
     let folder = runs::out().join(&figure.name);
-    std::fs::create_dir_all(&folder)?;
     let judged = runs::judged(program, figure, options, figure.spp, options.runs)?;
     let reference = runs::reference(program, figure, options, &judged[0].scene_hash)?;
     let mean = Reference::mean_of(&reference);

@@ -34,8 +34,9 @@ impl Scene {
   <!-- {comment} -->
   <default name="res" value="{resolution}"/>
   <default name="spp" value="64"/>
-  <default name="rfilter" value="gaussian"/>{flat}
-  <integrator type="path"><integer name="max_depth" value="{max_depth}"/></integrator>
+  <default name="rfilter" value="gaussian"/>
+  <default name="depth" value="{max_depth}"/>{flat}
+  <integrator type="path"><integer name="max_depth" value="$depth"/></integrator>
   <sensor type="perspective" id="cam">
     <float name="fov" value="{fov}"/><string name="fov_axis" value="x"/>
     <float name="near_clip" value="0.01"/><float name="far_clip" value="100"/>
