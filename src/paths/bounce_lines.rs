@@ -231,8 +231,9 @@ impl Line {
         if on {
             psi.insert(before, of_bounce);
         }
-        psi.insert(0, -FRAC_PI_2);
-        psi.push(FRAC_PI_2);
+        let end = FRAC_PI_2 - RIM;
+        psi.insert(0, -end);
+        psi.push(end);
         Self {
             pole,
             middle,

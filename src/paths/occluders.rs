@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 /// How far beyond a silhouette the probe looks, as a fraction of the cell.
 pub const PROBE: f64 = 1e-3;
 /// Occluders behind one another that are followed before a cell is given up.
-const MAX_OCCLUDERS: usize = 8;
+const MAX_OCCLUDERS: usize = 64;
 
 /// A point of a surface from which rays leave.
 pub struct SurfacePoint {
