@@ -137,7 +137,12 @@ struct Found {
     is_silhouette: bool,
     /// How many it stands for.
     weight: f64,
+    /// What the ends of the arc see.
+    triangles: [u32; 2],
 }
+
+/// Silhouettes behind one another that are looked for in one cell.
+const ROUNDS: usize = 4;
 
 impl Finder<'_> {
     /// Diffuse lanes under a constant environment, at their last bounce; those in `free` see it.
@@ -309,9 +314,16 @@ impl Finder<'_> {
         };
         let Some(line) = line else { return };
         let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i));
-        self.probe(
-            &mut at, &line, lane, lanes, is_narrow, &mut found, depth, stream, index,
-        );
+        for round in 0..ROUNDS as u32 {
+            // Both sides of a crossing share their random numbers, and nothing else does.
+            let index = PROBE_INDEX + (index[0] * ROUNDS as u32 + round) * 16;
+            found = self.probe(
+                &mut at, &line, lane, lanes, is_narrow, &found, depth, stream, index,
+            );
+            if found.is_empty() {
+                break;
+            }
+        }
     }
 
     /// Everything on a line at which the radiance may jump.
@@ -374,6 +386,7 @@ impl Finder<'_> {
                             psi,
                             is_silhouette,
                             weight: count as f64,
+                            triangles: [pair[0].1, pair[1].1],
                         });
                     }
                 }
@@ -397,7 +410,8 @@ impl Finder<'_> {
         found
     }
 
-    /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell.
+    /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell. Returns what else
+    /// must lie in their cells.
     #[allow(clippy::too_many_arguments)]
     fn probe(
         &mut self,
@@ -406,11 +420,12 @@ impl Finder<'_> {
         lane: usize,
         lanes: u32,
         with_emission: bool,
-        found: &mut [Found],
+        found: &[Found],
         depth: u32,
         stream: &Stream,
-        index: &[u32; LANES],
-    ) {
+        index: u32,
+    ) -> Vec<Found> {
+        let mut rest = Vec::new();
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
@@ -431,11 +446,8 @@ impl Finder<'_> {
                 near: 0.0,
                 far: f32::INFINITY,
             };
-            // Both sides share their random numbers.
-            let index = std::array::from_fn(|l| {
-                PROBE_INDEX + index[0] * 4 + (number * LANES / 2 + l / 2) as u32
-            });
-            let (radiance, _) =
+            let index = std::array::from_fn(|l| index + (number * LANES / 2 + l / 2) as u32);
+            let (radiance, seen) =
                 self.tracer
                     .radiance_along(rays, depth, with_emission, stream, &index, self.counts);
             for (i, found) in group.iter().enumerate() {
@@ -447,7 +459,46 @@ impl Finder<'_> {
                     let direction = found.arc.direction(found.s).normalize();
                     self.push(at, line, lane, found.boundary, direction, jump);
                 }
+                if found.is_silhouette {
+                    let seen = [seen[2 * i], seen[2 * i + 1]];
+                    rest.extend(self.rest(line, found, seen));
+                }
             }
         }
+        rest
+    }
+
+    /// The silhouettes in the rest of the cell in which one was found, beside which `seen` is seen: where that is not what
+    /// the ends see, something else ends in between.
+    fn rest(&mut self, line: &Line, found: &Found, [before, after]: [u32; 2]) -> Vec<Found> {
+        let Found { arc, s, weight, .. } = *found;
+        let [a, b] = found.triangles;
+        let parts = [(0.0, s - PROBE, [a, before]), (s + PROBE, 1.0, [after, b])];
+        let mut rest = Vec::new();
+        for (from, to, triangles) in parts {
+            if triangles[0] == triangles[1] || from >= to {
+                continue;
+            }
+            let arc = Arc {
+                a: arc.direction(from),
+                b: arc.direction(to),
+                ..arc
+            };
+            let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
+            match between(geometry, adjacency, &arc, triangles, 0.0, 2.0 * PROBE) {
+                Ok([Some(Crossing { boundary, s, .. }), _]) => rest.push(Found {
+                    boundary,
+                    arc,
+                    s,
+                    psi: line.psi_of(arc.direction(s)),
+                    is_silhouette: true,
+                    weight,
+                    triangles,
+                }),
+                Ok([None, _]) => {}
+                Err(Unresolved) => self.counts.unresolved += 1,
+            }
+        }
+        rest
     }
 }
