@@ -11,7 +11,7 @@ use warpath::paths::rays::{from_lanes, lane_of};
 use warpath::paths::store::{Lobes, Vertices};
 use warpath::paths::surface::Surface;
 use warpath::paths::tracer::{PathLimits, Tracer};
-use warpath::scene::Scene;
+use warpath::scene::{Bsdf, Distribution, Microfacets, Scene};
 use warpath::trace::geometry::Geometry;
 use warpath::trace::{Accel, AccelOptions, MeshView};
 
@@ -141,4 +141,29 @@ impl Swatch {
             }
         }
     }
+}
+
+/// The scene with other numbers of the floor's material: slots as `params` names them, such as `alpha`.
+pub fn with(mut scene: Scene, slots: &[(&str, [f32; 3])]) -> Scene {
+    for (slot, value) in slots {
+        let key = format!("floor.bsdf.{slot}");
+        let texture = scene.textures.iter_mut().find(|t| t.key == key);
+        texture.expect("a slot").texels = vec![*value];
+    }
+    scene
+}
+
+/// The scene with a smooth floor, or one of another distribution of microfacets.
+pub fn with_facets(mut scene: Scene, distribution: Option<Distribution>) -> Scene {
+    let material = scene.meshes[0].material;
+    match &mut scene.materials[material].bsdf {
+        Bsdf::Conductor { microfacets, .. }
+        | Bsdf::Dielectric { microfacets, .. }
+        | Bsdf::Plastic { microfacets, .. } => {
+            *microfacets = microfacets
+                .and_then(|m| distribution.map(|distribution| Microfacets { distribution, ..m }));
+        }
+        Bsdf::Diffuse { .. } | Bsdf::Null => {}
+    }
+    scene
 }
