@@ -4,9 +4,11 @@
 pub mod comparison;
 pub mod materials;
 pub mod memory;
+pub mod optics;
 pub mod scenes;
 pub mod shapes;
 pub mod statistics;
+pub mod swatch;
 
 use warpath::methods::{self, Method, Objective, Progress, Settings};
 use warpath::scene::Scene;

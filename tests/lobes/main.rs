@@ -1,0 +1,9 @@
+//! What surfaces do with light: energy, reciprocity, and that all parts of the engine mean the same BSDF.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod energy;
+mod extremes;
+mod formulas;
+mod reciprocity;

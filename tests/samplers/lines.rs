@@ -1,0 +1,175 @@
+//! Lines on which silhouettes are looked for: how they lie, and how often their points fall between two angles.
+
+use super::common::materials::Paint;
+use super::common::optics::*;
+use super::common::swatch::{Swatch, bare};
+use super::*;
+use glam::{DVec3, dvec3};
+use std::f64::consts::{FRAC_PI_2, PI};
+use warpath::lanes::Lane;
+use warpath::paths::bounce::cosine_direction;
+use warpath::paths::bounce_lines::{LaneSurface, Line, Lobe, line_weight};
+use warpath::scene::Distribution::Ggx;
+
+/// A line's 1/p(φ), through what it is public for; `poles` of both families.
+fn inverse_density(line: &Line, poles: [DVec3; 2], axis: usize) -> f64 {
+    let (c, d) = (dvec3(0.3, 0.5, -0.7), line.direction(0.4));
+    let weight = line.crossing_weight(c, d).expect("a crossing");
+    weight / line_weight(poles, axis, c, d).expect("a crossing")
+}
+
+/// Counts how often a point of lines, their two ends apart, falls between two angles, against the chance they tell.
+struct Run {
+    ends: [f64; 2],
+    chance: f64,
+    counts: [usize; 2],
+}
+
+impl Run {
+    fn new(ends: [f64; 2]) -> Self {
+        Self {
+            ends,
+            chance: 0.0,
+            counts: [0; 2],
+        }
+    }
+
+    fn look_at(&mut self, line: &Line) {
+        let (psi, [from, to]) = (&line.psi, self.ends);
+        if psi[0] > from || psi[psi.len() - 1] < to {
+            return;
+        }
+        let weights = line.run_weights(&self.ends);
+        // Both ends of a line are always looked at.
+        assert_eq!([weights[0], weights[2]], [1.0; 2]);
+        self.chance = 1.0 / weights[1];
+        let inner = &psi[1..psi.len() - 1];
+        self.counts[inner.iter().any(|p| (from..to).contains(p)) as usize] += 1;
+    }
+
+    fn check(&self, what: &str) {
+        let what = format!("{what}, points in {:?}", self.ends);
+        assert!(self.counts.iter().sum::<usize>() > SAMPLES / 2, "{what}");
+        if self.chance >= 1.0 {
+            return assert_eq!(self.counts[0], 0, "{what}");
+        }
+        expect_shares(&what, &self.counts, &[1.0 - self.chance, self.chance]);
+    }
+}
+
+fn diffuse_bounces() -> impl Iterator<Item = (DVec3, f64)> {
+    let jitters = pairs(53, 4, 4).map(|[jitter, _]| f64::from(jitter));
+    let bounces = pairs(53, 3, 4).map(|[u, v]| {
+        let local = cosine_direction(Lane::splat(u), Lane::splat(v));
+        DVec3::from(local.map(|x| f64::from(x.to_array()[0]))).normalize()
+    });
+    bounces.zip(jitters)
+}
+
+/// φ of lines through diffuse bounces is as their density says, and their points are met as often.
+#[test]
+fn lines_of_diffuse_light() {
+    let swatch = Swatch::new(bare(), false);
+    let tracer = swatch.tracer();
+    let (vertices, surface) = swatch.seen(&tracer, &[incidence(30.0)]);
+    let at = LaneSurface::new(&vertices, &surface, 0, Lobe::Diffuse);
+    for axis in 0..2 {
+        let line = |bounce, jitter, on| {
+            [axis, 1 - axis].map(|axis| Line::diffuse(&at, bounce, axis, jitter, on))
+        };
+        let mut turns = vec![0; 32];
+        let mut shares = vec![0.0; 32];
+        let mut runs = [[-1.5, -1.3], [-0.1, 0.05], [0.3, 1.0], [0.2, 1.4]].map(Run::new);
+        let mut runs_without = [[-0.1, 0.3]].map(Run::new);
+        for (bounce, jitter) in diffuse_bounces() {
+            let [line, other] = line(bounce, jitter, true);
+            let number = line.bounce.expect("the bounce is on its line");
+            assert!(line.direction(line.psi[number]).distance(bounce) < 1e-6);
+            assert!((line.psi_of(bounce) - line.psi[number]).abs() < 1e-6);
+            assert!(line.psi.is_sorted());
+            let (middle, across) = (line.direction(0.0), other.direction(FRAC_PI_2));
+            let mut poles = [line.direction(FRAC_PI_2), across];
+            poles.rotate_right(axis);
+            let turn = middle.z.atan2(middle.dot(across));
+            let place = bin((turn / PI) as f32, 32);
+            turns[place] += 1;
+            // p is a sine: its integral over a bin from its value anywhere in it.
+            let [a, b] = [place, place + 1].map(|k| PI * k as f64 / 32.0);
+            shares[place] = (a.cos() - b.cos()) / turn.sin() / inverse_density(&line, poles, axis);
+            runs.iter_mut().for_each(|run| run.look_at(&line));
+            let without = Line::diffuse(&at, bounce, axis, jitter, false);
+            runs_without
+                .iter_mut()
+                .for_each(|run| run.look_at(&without));
+        }
+        let what = format!("diffuse lines about pole {axis}");
+        expect_shares(&what, &turns, &shares);
+        runs.iter().for_each(|run| run.check(&what));
+        runs_without
+            .iter()
+            .for_each(|run| run.check(&format!("{what} without bounce")));
+    }
+}
+
+/// Lines of narrow lobes turn with the number that draws them as their density says, their points are met as often, and
+/// none lies below the horizon.
+#[test]
+fn lines_of_narrow_lobes() {
+    let metal = || bare().metal("floor", 0.1, Ggx);
+    let glass = || bare().glass("floor", 0.1);
+    let cases = [
+        ("metal", Swatch::new(metal(), false), Lobe::Reflected, 1.0),
+        ("glass", Swatch::new(glass(), false), Lobe::Refracted, 1.5),
+        (
+            "glass from inside",
+            Swatch::new(glass(), true),
+            Lobe::Refracted,
+            1.0 / 1.5,
+        ),
+    ];
+    for (what, swatch, lobe, ratio) in cases {
+        let tracer = swatch.tracer();
+        let i = incidence(30.0);
+        let main = match lobe {
+            Lobe::Refracted => refract(i, DVec3::Z, ratio).expect("below the critical angle"),
+            _ => reflect(i, DVec3::Z),
+        };
+        let main = swatch.turned(main);
+        let (vertices, surface) = swatch.seen(&tracer, &[i]);
+        let at = LaneSurface::new(&vertices, &surface, 0, lobe);
+        for axis in 0..2 {
+            let centre = [0, 1].map(|axis| Line::lobe(&at, axis, 0.5, 0.5).expect("a line"));
+            let poles = centre.each_ref().map(|l| l.direction(FRAC_PI_2));
+            assert!(poles[0].dot(poles[1]).abs() < 1e-6);
+            assert!(centre[axis].direction(0.0).distance(main) < 1e-6, "{what}");
+            let turn = |line: &Line| {
+                let middle = line.direction(0.0);
+                middle.dot(poles[1 - axis]).atan2(middle.dot(main))
+            };
+            let mut runs = [[-0.1, 0.02], [0.05, 0.3], [-0.6, -0.25]].map(Run::new);
+            for [place, jitter] in pairs(59, 1, 6) {
+                let [place, jitter] = [place, jitter].map(f64::from);
+                let Some(line) = Line::lobe(&at, axis, place, jitter) else {
+                    continue;
+                };
+                assert!(line.psi.is_sorted());
+                let below = line.psi.iter().map(|psi| line.direction(*psi));
+                let side = main.dot(at.n).signum();
+                assert!(below.map(|d| d.dot(at.n) * side).all(|cos| cos > -1e-6));
+                runs.iter_mut().for_each(|run| run.look_at(&line));
+            }
+            for place in [0.01, 0.1, 0.3, 0.5, 0.75, 0.95, 0.99] {
+                let at = |place: f64| Line::lobe(&at, axis, place, 0.5).expect("a line");
+                let slope = (turn(&at(place + 1e-6)) - turn(&at(place - 1e-6))) / 2e-6;
+                let told = inverse_density(&at(place), poles, axis);
+                assert!(
+                    (slope / told - 1.0).abs() < 1e-4,
+                    "{what}, pole {axis}, {place}: {slope} against {told}"
+                );
+            }
+            for run in &runs {
+                run.check(&format!("lines of {what} about pole {axis}"));
+            }
+        }
+    }
+}
