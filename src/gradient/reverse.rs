@@ -89,7 +89,7 @@ impl VertexBars {
         sum.second = sum.second + masked(bits, s.second);
         sum.eta = sum.eta + masked(bits, s.eta);
         sum.k = sum.k + masked(bits, s.k);
-        sum.alpha = sum.alpha + <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
+        sum.alpha += <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
     }
 }
 
@@ -443,8 +443,8 @@ impl ReverseSweep<'_> {
                 V3::select(smooth, n_bar, zero),
             );
             let none = Lane::splat(0.0);
-            b1_bar = b1_bar + <Lane as Real>::select(smooth, b1, none);
-            b2_bar = b2_bar + <Lane as Real>::select(smooth, b2, none);
+            b1_bar += <Lane as Real>::select(smooth, b1, none);
+            b2_bar += <Lane as Real>::select(smooth, b2, none);
             self.scatter_normals(here, [m0, m1, m2], sums);
         }
         let t_bar = d.dot(bars.x);

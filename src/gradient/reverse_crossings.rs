@@ -60,7 +60,7 @@ impl ReverseSweep<'_> {
         bars.x = bars.x + from_lanes(&lanes.map(|l| l.x));
         bars.n = bars.n + from_lanes(&lanes.map(|l| l.n));
         bars.direction = bars.direction + from_lanes(&lanes.map(|l| l.direction));
-        bars.interface.eta.x = bars.interface.eta.x + Lane::new(lanes.map(|l| l.eta));
+        bars.interface.eta.x += Lane::new(lanes.map(|l| l.eta));
     }
 
     fn light_crossing(

@@ -2,9 +2,11 @@
 
 use super::{FileError, exr, npy};
 use crate::methods::Image;
+use crate::picture::{self, Colours, Picture, PictureError};
 use std::path::Path;
 
-/// Reads a linear RGB image from `.exr`, or from `.npy` (H×W×3, H×W×1 or H×W). Every number must be finite.
+/// Reads a linear RGB image from `.npy` (H×W×3, H×W×1 or H×W), `.exr`, or any format of textures. Every number must be
+/// finite.
 pub fn read(path: &Path) -> Result<Image, FileError> {
     let extension = path
         .extension()
@@ -14,12 +16,7 @@ pub fn read(path: &Path) -> Result<Image, FileError> {
         Some("npy") => {
             from_array(npy::read(path)?).map_err(|what| FileError::contents(path, what))?
         }
-        _ => {
-            return Err(FileError::contents(
-                path,
-                "an image here is an .exr or an .npy file",
-            ));
-        }
+        _ => from_picture(picture::read(path, Colours::Auto)?),
     };
     match image
         .pixels
@@ -33,6 +30,23 @@ pub fn read(path: &Path) -> Result<Image, FileError> {
                 path,
                 format_args!("the pixel at x {x}, y {y} is not finite"),
             ))
+        }
+    }
+}
+
+fn from_picture(picture: Picture) -> Image {
+    Image {
+        width: picture.width as usize,
+        height: picture.height as usize,
+        pixels: picture.pixels,
+    }
+}
+
+impl From<PictureError> for FileError {
+    fn from(error: PictureError) -> Self {
+        match error {
+            PictureError::Contents { file, what } => FileError::contents(file, what),
+            PictureError::Io { file, source } => FileError::io(file, source),
         }
     }
 }

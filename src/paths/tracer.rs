@@ -110,6 +110,7 @@ impl Tracer<'_> {
         store.depths.push(store.vertices.len() as u32);
     }
 
+    #[allow(clippy::too_many_arguments)]
     fn trace_vertices(
         &self,
         mut rays: RayPacket,
