@@ -2,6 +2,8 @@
 
 pub mod accumulator;
 pub mod forward;
+mod forward_crossings;
+mod forward_lights;
 pub mod motion;
 pub mod normals;
 pub mod reverse;

@@ -21,6 +21,19 @@ pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineErr
             ));
         }
     }
+    for material in &scene.materials {
+        if let Bsdf::Conductor { eta, k, .. } = material.bsdf {
+            let texels = &scene.textures[eta].texels;
+            let is_perfect = texels.iter().flatten().any(|&e| e == 0.0);
+            if is_perfect && (request.texels[eta].is_some() || request.texels[k].is_some()) {
+                return refuse(format!(
+                    "{}: a metal whose index of refraction is 0 reflects everything, and its reflectance has no derivative \
+                     by eta and k there; give it a material, or eta above 0",
+                    material.key
+                ));
+            }
+        }
+    }
     if !request.moves_geometry() && !request.bends(scene) {
         return Ok(());
     }
