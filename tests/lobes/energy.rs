@@ -14,7 +14,7 @@ const DEGREES: [f64; 4] = [1.0, 45.0, 70.0, 85.0];
 const STREAMS: u32 = 32;
 const POINTS: u32 = 1 << 10;
 /// Of 32 means, this many standard errors are met by chance once in 10⁵ times (Student's t, 31 degrees of freedom); there
-/// are some 120 numbers.
+/// are some 400 numbers.
 const SIGMAS: f64 = 5.3;
 /// What quadrature and single precision leave. Of rough plastics also the tables' interpolation.
 const ROUNDING: f64 = 5e-4;

@@ -79,7 +79,7 @@ fn lines_of_diffuse_light() {
         };
         let mut turns = vec![0; 32];
         let mut shares = vec![0.0; 32];
-        let mut runs = [[-1.5, -1.3], [-0.1, 0.05], [0.3, 1.0], [0.2, 1.4]].map(Run::new);
+        let mut runs = [[-1.5, -1.3], [-0.2, 0.2], [0.3, 1.0], [0.2, 1.4]].map(Run::new);
         let mut runs_without = [[-0.1, 0.3]].map(Run::new);
         for (bounce, jitter) in diffuse_bounces() {
             let [line, other] = line(bounce, jitter, true);

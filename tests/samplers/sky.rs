@@ -102,7 +102,8 @@ fn meridians_have_their_density() {
                 [DVec3::X, DVec3::Y, DVec3::Z],
             ][axis]
                 .map(|d| map.to_world.as_dmat3() * d);
-            let columns = WIDTH;
+            // Halves of the tables' columns, so that where in a column a line lies shows.
+            let columns = 2 * WIDTH;
             let mut counts = vec![0; columns];
             let mut width = vec![0.0; columns];
             for [u, v] in pairs(43, 5, 2) {
