@@ -3,7 +3,7 @@
 //! For a vertex x and a patch, L(θ) = ∫₀¹∫₀¹ g(s, r) vis(s, r) ds dr. On a line of fixed r, cut at any points
 //! s₀ = 0 < s₁ < … < 1, the change of variables of each cell shifts its interior rigidly by V_s, the speed of the
 //! silhouette that was found in it, and leaves ∂L = ∫∂(g)·vis + Σ_cells V_s·(g₋ − g₊) at the jump (a rotation of
-//! the bundle seen from x; Loubet 2019, §4–5). Lines of fixed r give the part of the motion along s, lines of fixed s
+//! the bundle seen from x; Loubet 2019). Lines of fixed r give the part of the motion along s, lines of fixed s
 //! the part along r, and their sum is the whole: V·n dl = V_s dr + V_r ds.
 //!
 //! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it; the lines' ends lie

@@ -6,7 +6,7 @@
 //! velocities V that satisfy this only the part along ∇F matters; the shortest in the domain's metric M is
 //! V = −Ḟ M⁻¹∇F / (∇F·M⁻¹∇F).
 //!
-//! Another is that of a point which keeps its place on the edge: Loubet's rotation (2019, §4) of the direction to a
+//! Another is that of a point which keeps its place on the edge: Loubet's rotation (2019) of the direction to a
 //! followed point. On lights, whose cells are large, it is the better one: two silhouettes of one moving object that fall
 //! into the same cell are missed together, and with V the velocity of the object itself, the same at both, what is
 //! missed cancels. On the film cells are smaller than pixels, and the shortest V has less variance (both measured in
