@@ -14,6 +14,8 @@ use crate::scene::{Rgb, Scene};
 const STEP_PIXELS: f64 = 0.1;
 /// Step for parameters that move nothing: the image is linear or smooth in them.
 const STEP_COLOUR: f64 = 0.01;
+/// And no more than this part of the way to the nearest limit.
+const STEP_ROOM: f64 = 0.2;
 
 /// The gradient image along `direction`, by differences.
 pub fn forward(
@@ -134,8 +136,24 @@ fn step(
     Ok(if fastest > 0.0 && fastest.is_finite() {
         STEP_PIXELS / fastest
     } else {
-        STEP_COLOUR
+        colour_step(scene, &tangent)
     })
+}
+
+/// A step along which no number leaves its limits: a roughness of 0.01 cannot change by 0.02.
+fn colour_step(scene: &Scene, tangent: &crate::scene::SceneDifferential) -> f64 {
+    let mut step = STEP_COLOUR;
+    for (texture, changes) in scene.textures.iter().zip(&tangent.texels) {
+        let [low, high] = texture.limits;
+        let values = texture.texels.iter().flatten();
+        for (value, by) in values.zip(changes.iter().flatten().flatten()) {
+            let room = (value - low).min(high - value);
+            if room > 0.0 && *by != 0.0 {
+                step = step.min(STEP_ROOM * f64::from(room / by.abs()));
+            }
+        }
+    }
+    step
 }
 
 /// Progress of one of several renderings.

@@ -92,7 +92,10 @@ fn bad_input_is_told() {
         ),
         (target("nosuch.exr"), "nosuch.exr"),
         (target("text.exr"), "not a readable OpenEXR image"),
-        (target("photo.jpg"), "its contents are not what its name says"),
+        (
+            target("photo.jpg"),
+            "its contents are not what its name says",
+        ),
         (
             target("small.npy"),
             "4x4 pixels, the image rendered has 8x6",
