@@ -232,6 +232,7 @@ impl Line {
             psi.insert(before, of_bounce);
         }
         let end = FRAC_PI_2 - RIM;
+        psi.iter_mut().for_each(|p| *p = p.clamp(-end, end));
         psi.insert(0, -end);
         psi.push(end);
         Self {
