@@ -29,7 +29,7 @@ pub fn backward(
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
-    refusals::check(scene, request)?;
+    refusals::check(scene, request, settings.method)?;
     let mut statistics = Statistics::default();
     let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
     let visibility = settings.method == Method::Reparam && request.moves_edges(scene);

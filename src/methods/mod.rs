@@ -4,6 +4,7 @@ mod adjoint;
 mod differences;
 mod primal;
 mod refusals;
+mod seams;
 mod stage;
 mod tangent;
 

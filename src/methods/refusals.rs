@@ -1,10 +1,15 @@
 //! What cannot be differentiated is refused, in words.
 
-use super::EngineError;
+use super::seams::jumps_at_a_seam;
+use super::{EngineError, Method};
 use crate::scene::{Bsdf, Layout, Scene, SceneDifferential};
 
 /// Refuses gradients that would be silently wrong: sharp edges that no cell finds.
-pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineError> {
+pub fn check(
+    scene: &Scene,
+    request: &SceneDifferential,
+    method: Method,
+) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
     for material in &scene.materials {
         if let Bsdf::Plastic {
@@ -33,6 +38,13 @@ pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineErr
                 ));
             }
         }
+    }
+    // What ignores visibility has nothing to lose by it.
+    if method != Method::Reparam {
+        return Ok(());
+    }
+    if let Some(i) = request.delta_lights.iter().position(Option::is_some) {
+        return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
     if !request.moves_geometry() && !request.bends(scene) {
         return Ok(());
@@ -68,11 +80,7 @@ pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineErr
         }
     }
     if let Some(light) = scene.delta_lights.first() {
-        return refuse(format!(
-            "{}: the shadows of lights without an extent have sharp edges that are not found, so gradients by what moves \
-             would be wrong; use a small area light",
-            light.key
-        ));
+        return refuse(sharp_shadows(&light.key));
     }
     let shown = used().flat_map(|m| m.bsdf.textures());
     let emitted = scene.area_lights.iter().map(|l| l.radiance);
@@ -90,7 +98,27 @@ pub fn check(scene: &Scene, request: &SceneDifferential) -> Result<(), EngineErr
             ));
         }
     }
+    for mesh in &scene.meshes {
+        let shown = scene.materials[mesh.material].bsdf.textures();
+        let emitted = mesh.area_light.map(|l| scene.area_lights[l].radiance);
+        for texture in shown.into_iter().chain(emitted) {
+            if jumps_at_a_seam(mesh, &scene.textures[texture]) {
+                return refuse(format!(
+                    "{}: the picture on {} does not fit together along a seam of its texture coordinates, and that edge is not \
+                     found, so gradients by what moves would be wrong; use face_normals or a picture that fits",
+                    scene.textures[texture].key, mesh.id
+                ));
+            }
+        }
+    }
     Ok(())
+}
+
+fn sharp_shadows(light: &str) -> String {
+    format!(
+        "{light}: the shadows of lights without an extent have sharp edges that are not found, so gradients by what moves \
+         would be wrong; use a small area light"
+    )
 }
 
 /// Whether a reflectance is black somewhere and its gradient is asked for: paths have to go on from black surfaces then.

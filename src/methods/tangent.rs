@@ -19,7 +19,7 @@ pub fn forward(
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
-    refusals::check(scene, tangent)?;
+    refusals::check(scene, tangent, settings.method)?;
     let visibility = settings.method == Method::Reparam && tangent.moves_edges(scene);
     let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
     stage.ask_about(tangent);

@@ -13,6 +13,8 @@ use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
 use crate::lanes::{LANES, Lane, Real, V3};
 use glam::DVec3;
 
+/// Chance to go on from surfaces that are black at present, but asked about.
+const LEAST_SURVIVAL: f32 = 0.1;
 /// Neither of a plastic's two lobes is drawn more rarely than this.
 const LEAST_CHANCE: f32 = 0.1;
 
@@ -48,7 +50,12 @@ impl Tracer<'_> {
         }
         let mut survival = Lane::splat(1.0);
         if depth + 1 >= self.limits.rr_depth {
-            let chance = brightest.min(Lane::splat(0.95));
+            let least = if self.limits.black_goes_on {
+                LEAST_SURVIVAL
+            } else {
+                0.0
+            };
+            let chance = brightest.max(Lane::splat(least)).min(Lane::splat(0.95));
             let (u, _) = stream.pair(index, base + 4);
             alive = alive & u.lt(chance);
             survival = Lane::splat(1.0) / chance;

@@ -219,7 +219,7 @@ impl Tracer<'_> {
         counts: &mut Counts,
         store: &mut TileStore,
     ) {
-        let lit = vertices.hit & vertices.kinds.lit_by_samples() & !vertices.is_black();
+        let lit = vertices.hit & vertices.kinds.lit_by_samples() & !self.reflects_nothing(vertices);
         let first = store.delta_visible.len() as u32;
         for light in &self.scene.delta_lights {
             let (w, far) = match light.kind {

@@ -43,7 +43,7 @@ impl Tracer<'_> {
         });
         let direction = from_lanes(&directions);
         let zero = Lane::splat(0.0);
-        let lit = vertices.hit & vertices.kinds.lit_by_samples() & !vertices.is_black();
+        let lit = vertices.hit & vertices.kinds.lit_by_samples() & !self.reflects_nothing(vertices);
         let above = surface.n.dot(direction).gt(zero).to_bits();
         let active = lit & above;
         let rays = RayPacket {
@@ -66,6 +66,7 @@ impl Tracer<'_> {
         store.sky_samples.push(SkySample {
             direction,
             weight: <Lane as Real>::select(lane_mask(active & !blocked), weight, zero),
+            irradiance: direction_irradiance(surface.n, direction),
             value: masked(active, self.value_toward(vertices, surface, direction)),
         });
         if let (Some(adjacency), Some(environment)) = (self.adjacency, &self.scene.environment) {
@@ -91,18 +92,12 @@ impl Tracer<'_> {
     }
 
     /// What the sample brings, before the throughput.
-    pub fn sky_light(
-        &self,
-        environment: &Environment,
-        vertices: &Vertices,
-        sample: &SkySample,
-    ) -> V3<Lane> {
+    pub fn sky_light(&self, environment: &Environment, sample: &SkySample) -> V3<Lane> {
         let lit = sample.weight.gt(Lane::splat(0.0));
         if !lit.any() {
             return V3::splat(0.0);
         }
-        let n = vertices.normal(self);
-        let irradiance = direction_irradiance(n, sample.direction) * sample.weight;
+        let irradiance = sample.irradiance * sample.weight;
         let radiance = self.environment_radiance(environment, sample.direction);
         V3::select(
             lit,

@@ -185,7 +185,7 @@ fn facing_light(
             > 0.0;
         bits |= (front as u32) << l;
     }
-    bits & vertices.kinds.lit_by_samples() & !vertices.is_black()
+    bits & vertices.kinds.lit_by_samples() & !tracer.reflects_nothing(vertices)
 }
 
 /// An interval of a line whose ends differ in visibility.

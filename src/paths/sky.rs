@@ -17,7 +17,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 const EVEN: f64 = 0.1;
 /// Columns of meridians about the second axis, at most.
 const MOST_COLUMNS: usize = 1024;
-/// Samples along each side of a texel's cell when the map is turned to another axis.
+/// Samples along each side of a texel's cell when the map is turned to another axis: this many where the map is coarse,
+/// fewer where it is as fine as the table.
 const SUBDIVISIONS: usize = 4;
 
 /// A map, prepared for sampling.
@@ -67,7 +68,7 @@ impl Sky {
         let mut first = Meridians::empty(y, -z, x, columns, rows);
         let other = columns.max(2 * rows).min(MOST_COLUMNS);
         let mut second = Meridians::empty(x, y, z, other, other.div_ceil(2));
-        let n = SUBDIVISIONS;
+        let n = (2 * MOST_COLUMNS / columns).clamp(1, SUBDIVISIONS);
         for row in 0..rows * n {
             for column in 0..columns * n {
                 let place = |i: usize, of: usize| (i as f64 + 0.5) / (of * n) as f64;

@@ -67,6 +67,8 @@ pub struct SkySample {
     pub direction: V3<Lane>,
     /// MIS weight over density over solid angle; 0 where the sky is hidden.
     pub weight: Lane,
+    /// `kernels::light::direction_irradiance` of it.
+    pub irradiance: Lane,
     /// π times the BSDF toward it.
     pub value: V3<Lane>,
 }

@@ -164,18 +164,14 @@ impl Tracer<'_> {
             V3::splat(0.0),
         )
     }
-}
 
-impl Vertices {
-    /// Unit shading normals on the side the rays came from.
-    pub fn normal(&self, tracer: &Tracer) -> V3<Lane> {
-        tracer.surface(&mut self.clone()).n
-    }
-
-    /// Lanes that reflect nothing.
-    pub fn is_black(&self) -> u32 {
-        let zero = Lane::splat(0.0);
-        let c = self.colour;
-        c.x.max(c.y).max(c.z).le(zero).to_bits() & !self.kinds.special()
+    /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were not.
+    pub fn reflects_nothing(&self, vertices: &Vertices) -> u32 {
+        if self.limits.black_goes_on {
+            return vertices.kinds.black;
+        }
+        let c = vertices.colour;
+        let is_black = c.x.max(c.y).max(c.z).le(Lane::splat(0.0));
+        is_black.to_bits() & !vertices.kinds.special()
     }
 }

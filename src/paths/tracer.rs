@@ -319,7 +319,7 @@ impl Tracer<'_> {
                 if let (Some(sample), Some(environment)) =
                     (store.sky_sample(vertices), &self.scene.environment)
                 {
-                    let light = self.sky_light(environment, vertices, sample);
+                    let light = self.sky_light(environment, sample);
                     sum = sum + vertices.throughput.times(light);
                 }
                 let [from, to] = vertices.delta_lights.map(|i| i as usize);

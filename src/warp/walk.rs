@@ -223,10 +223,11 @@ impl Reservoir {
     }
 }
 
-/// The squared sine of the angle between the planes of two triangles; below this they are one plane.
-const FLAT: f64 = 1e-10;
+/// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
+pub const FLAT: f64 = 1e-10;
 
-fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+/// The squared sine of the angle between the planes of two triangles.
+pub fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }

@@ -1,0 +1,149 @@
+//! What would be silently wrong is refused, in a sentence that names what it is about; what is no trouble is not.
+
+mod common;
+
+use common::materials::Paint;
+use common::scenes::*;
+use common::{Quiet, direction, settings};
+use glam::{Vec2, vec3};
+use warpath::methods::{Method, forward};
+use warpath::scene::{DeltaLight, DeltaLightKind, Layout, Scene, Texture};
+
+fn close_up() -> Scene {
+    common::comparison::close_up().sky([0.7, 0.8, 1.0])
+}
+
+/// The refusal, or nothing.
+fn refusal(scene: &Scene, method: Method, key: &str, by: &[f32]) -> Option<String> {
+    let along = direction(scene, &[(key, by)]);
+    let settings = settings(scene, method, 4, 1);
+    forward(scene, &settings, &along, &Quiet)
+        .err()
+        .map(|e| e.to_string())
+}
+
+fn refused(scene: &Scene, key: &str, by: &[f32], about: &str) {
+    let said =
+        refusal(scene, Method::Reparam, key, by).unwrap_or_else(|| panic!("{key} is not refused"));
+    assert!(said.contains(about), "{key}: {said}");
+}
+
+fn taken(scene: &Scene, method: Method, key: &str, by: &[f32]) {
+    let said = refusal(scene, method, key, by);
+    assert!(said.is_none(), "{key}: {said:?}");
+}
+
+const MOVED: [f32; 3] = [1.0, 0.0, 0.0];
+
+fn lamp(kind: DeltaLightKind) -> Scene {
+    let mut scene = close_up();
+    scene
+        .textures
+        .push(Texture::constant("bulb.intensity".into(), [1.0; 3]));
+    scene.delta_lights.push(DeltaLight {
+        key: "bulb".into(),
+        kind,
+        power: scene.textures.len() - 1,
+    });
+    scene
+}
+
+#[test]
+fn sharp_reflections() {
+    let scene = close_up().plastic("floor", None);
+    refused(&scene, "block.translation", &MOVED, "floor.bsdf");
+    refused(&scene, "cam.translation", &MOVED, "floor.bsdf");
+    taken(&scene, Method::Interior, "block.translation", &MOVED);
+    taken(&scene, Method::Reparam, "floor.bsdf.eta", &[1.0]);
+    taken(
+        &scene,
+        Method::Reparam,
+        "floor.bsdf.diffuse_reflectance.value",
+        &MOVED,
+    );
+}
+
+#[test]
+fn sharp_shadows() {
+    let point = DeltaLightKind::Point {
+        position: vec3(0.3, 0.2, 2.0),
+    };
+    let scene = lamp(point);
+    refused(&scene, "block.translation", &MOVED, "bulb");
+    refused(&scene, "bulb.translation", &MOVED, "bulb");
+    refused(&scene, "bulb.position", &MOVED, "bulb");
+    taken(&scene, Method::Interior, "bulb.translation", &MOVED);
+    taken(&scene, Method::Reparam, "bulb.intensity.value", &MOVED);
+    let direction = vec3(0.0, 0.0, -1.0);
+    refused(
+        &lamp(DeltaLightKind::Directional { direction }),
+        "block.translation",
+        &MOVED,
+        "bulb",
+    );
+}
+
+#[test]
+fn sharp_pictures() {
+    let scene = close_up().picture("floor");
+    taken(&scene, Method::Reparam, "floor.translation", &MOVED);
+    let mut nearest = scene.clone();
+    for texture in &mut nearest.textures {
+        if let Layout::Bitmap { bilinear, .. } = &mut texture.layout {
+            *bilinear = false;
+        }
+    }
+    refused(&nearest, "floor.translation", &MOVED, "floor.bsdf");
+    taken(
+        &nearest,
+        Method::Reparam,
+        "floor.bsdf.reflectance.data",
+        &MOVED,
+    );
+}
+
+/// The floor's two triangles, the second with its picture elsewhere.
+#[test]
+fn pictures_that_do_not_fit_together() {
+    let mut scene = close_up().picture("floor");
+    let floor = scene
+        .meshes
+        .iter_mut()
+        .find(|m| m.id == "floor")
+        .expect("a floor");
+    let first = floor.positions.len() as u32;
+    let second = floor.triangles[1];
+    for &v in &second {
+        floor.positions.push(floor.positions[v as usize]);
+        floor.uvs.push(floor.uvs[v as usize] + Vec2::splat(0.3));
+    }
+    floor.triangles[1] = [first, first + 1, first + 2];
+    refused(&scene, "floor.translation", &MOVED, "floor");
+    taken(&scene, Method::Interior, "floor.translation", &MOVED);
+    // Shifted by a whole picture it fits.
+    let floor = scene
+        .meshes
+        .iter_mut()
+        .find(|m| m.id == "floor")
+        .expect("a floor");
+    let to_uv = floor.uvs.clone();
+    for (k, &v) in second.iter().enumerate() {
+        floor.uvs[first as usize + k] = to_uv[v as usize];
+    }
+    taken(&scene, Method::Reparam, "floor.translation", &MOVED);
+}
+
+#[test]
+fn what_has_no_derivative() {
+    let rough = close_up().plastic("floor", Some(0.2));
+    refused(&rough, "floor.bsdf.eta", &[1.0], "floor.bsdf");
+    let mut mirror = close_up().metal("floor", 0.2, warpath::scene::Distribution::Ggx);
+    for texture in &mut mirror.textures {
+        if texture.key == "floor.bsdf.eta" {
+            texture.texels = vec![[0.0; 3]];
+        }
+    }
+    refused(&mirror, "floor.bsdf.eta.value", &MOVED, "floor.bsdf");
+    refused(&mirror, "floor.bsdf.k.value", &MOVED, "floor.bsdf");
+    taken(&mirror, Method::Reparam, "floor.bsdf.alpha.value", &[1.0]);
+}
