@@ -97,6 +97,7 @@ fn what_plastic_is_made_of() {
     let scene = room(3).plastic("floor", Some(0.2));
     for (key, by) in [
         ("floor.bsdf.alpha", [1.0].as_slice()),
+        ("floor.bsdf.eta", &[1.0]),
         ("floor.bsdf.diffuse_reflectance.value", &[1.0, 0.5, 0.2]),
         ("floor.bsdf.specular_reflectance.value", &[1.0, 0.5, 0.2]),
     ] {

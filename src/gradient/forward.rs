@@ -207,16 +207,7 @@ impl<'a> ForwardSweep<'a> {
             cos_in,
             cos_out,
         );
-        RoughTransmission {
-            at_in: constant(t.at_in),
-            by_cos_in: constant(t.by_cos_in),
-            by_alpha_in: constant(t.by_alpha_in),
-            at_out: constant(t.at_out),
-            by_cos_out: constant(t.by_cos_out),
-            by_alpha_out: constant(t.by_alpha_out),
-            inner: constant(t.inner),
-            by_alpha_inner: constant(t.by_alpha_inner),
-        }
+        t.map(constant)
     }
 
     /// π times the BSDF for light that arrives along `w`, of what light samples light.

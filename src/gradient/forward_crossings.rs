@@ -70,17 +70,6 @@ impl ForwardSweep<'_> {
             k: dual_lane(s.k, lane),
             alpha: dual_number(s.alpha, lane),
         };
-        let zero = Dual::<f64>::splat(0.0);
-        let none = RoughTransmission {
-            at_in: zero,
-            by_cos_in: zero,
-            by_alpha_in: zero,
-            at_out: zero,
-            by_cos_out: zero,
-            by_alpha_out: zero,
-            inner: zero,
-            by_alpha_inner: zero,
-        };
         let kinds = &vertices.kinds;
         let (direction, _) = interface_bounce(
             n,
@@ -89,7 +78,7 @@ impl ForwardSweep<'_> {
             ly,
             lz,
             interface,
-            none,
+            RoughTransmission::none(),
             false,
             bit(lobes.reflected),
             bit(lobes.refracted),

@@ -144,16 +144,7 @@ impl ReverseSweep<'_> {
             }
         };
         let arriving = vector(lane_of(vertices.direction, lane).as_dvec3());
-        let none = RoughTransmission {
-            at_in: 0.0,
-            by_cos_in: 0.0,
-            by_alpha_in: 0.0,
-            at_out: 0.0,
-            by_cos_out: 0.0,
-            by_alpha_out: 0.0,
-            inner: 0.0,
-            by_alpha_inner: 0.0,
-        };
+        let none = RoughTransmission::none();
         let kinds = &vertices.kinds;
         let (reflected, refracted) = (bit(vertices.lobes.reflected), bit(vertices.lobes.refracted));
         let (conductor, plastic) = (bit(kinds.conductor), bit(kinds.plastic));

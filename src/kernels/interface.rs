@@ -24,19 +24,22 @@ pub struct Interface<F> {
     pub alpha: F,
 }
 
-/// What a rough dielectric lets through at the two ends of a diffuse path below it: linear in the cosines and in α
-/// about where it was looked up.
+/// What a rough dielectric lets through at the two ends of a diffuse path below it: linear in the cosines, in α and in the
+/// index of refraction about where it was looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughTransmission<F> {
     pub at_in: F,
     pub by_cos_in: F,
     pub by_alpha_in: F,
+    pub by_eta_in: F,
     pub at_out: F,
     pub by_cos_out: F,
     pub by_alpha_out: F,
+    pub by_eta_out: F,
     /// Mean reflectance from inside.
     pub inner: F,
     pub by_alpha_inner: F,
+    pub by_eta_inner: F,
 }
 
 /// The shading normal, mirrored at the plane across the arriving ray if it looks away from that: continuous, and never
@@ -63,12 +66,12 @@ pub fn below_dielectric<F: Real>(
     is_nonlinear: F::Mask,
 ) -> V3<F> {
     let one = F::splat(1.0);
-    let rough_in = t.at_in + t.by_cos_in * cos_in + t.by_alpha_in * alpha;
-    let rough_out = t.at_out + t.by_cos_out * cos_out + t.by_alpha_out * alpha;
+    let rough_in = t.at_in + t.by_cos_in * cos_in + t.by_alpha_in * alpha + t.by_eta_in * eta;
+    let rough_out = t.at_out + t.by_cos_out * cos_out + t.by_alpha_out * alpha + t.by_eta_out * eta;
     let smooth_in = one - fresnel_dielectric(cos_in, eta);
     let smooth_out = one - fresnel_dielectric(cos_out, eta);
     let through = F::select(is_smooth, smooth_in * smooth_out, rough_in * rough_out);
-    let rough_inner = t.inner + t.by_alpha_inner * alpha;
+    let rough_inner = t.inner + t.by_alpha_inner * alpha + t.by_eta_inner * eta;
     let inner = F::select(is_smooth, inner_reflectance(eta), rough_inner);
     let scale = through / (eta * eta);
     let white = V3::splat(1.0);

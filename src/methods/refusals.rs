@@ -12,21 +12,6 @@ pub fn check(
 ) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
     for material in &scene.materials {
-        if let Bsdf::Plastic {
-            eta,
-            microfacets: Some(_),
-            ..
-        } = material.bsdf
-            && request.texels[eta].is_some()
-        {
-            return refuse(format!(
-                "{}: gradients by the index of refraction of a roughplastic are not implemented, since it is built into \
-                 a table",
-                material.key
-            ));
-        }
-    }
-    for material in &scene.materials {
         if let Bsdf::Conductor { eta, k, .. } = material.bsdf {
             let texels = &scene.textures[eta].texels;
             let is_perfect = texels.iter().flatten().any(|&e| e == 0.0);

@@ -100,7 +100,7 @@ pub struct LaneSurface<'a> {
     pub n: DVec3,
     direction: DVec3,
     interface: Option<Interface<f64>>,
-    transmission: Option<[RoughTransmission<f64>; 1]>,
+    transmission: Option<RoughTransmission<f64>>,
 }
 
 impl<'a> LaneSurface<'a> {
@@ -123,7 +123,7 @@ impl<'a> LaneSurface<'a> {
     /// With what a rough plastic lets through, looked up for directions at cosine `cos_out`.
     fn with_transmission(&mut self, tracer: &super::tracer::Tracer, cos_out: f64) {
         let all = tracer.transmission(self.vertices, self.surface, Lane::splat(cos_out as f32));
-        self.transmission = Some([transmission_of_lane(&all, self.lane)]);
+        self.transmission = Some(all.map(|x| f64::from(x.to_array()[self.lane])));
     }
 
     /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
@@ -134,16 +134,6 @@ impl<'a> LaneSurface<'a> {
             let next = dvec3(direction_from_local(n, local.x, local.y, local.z));
             return (next, lane_of(self.vertices.colour, self.lane).as_dvec3());
         };
-        let none = RoughTransmission {
-            at_in: 0.0,
-            by_cos_in: 0.0,
-            by_alpha_in: 0.0,
-            at_out: 0.0,
-            by_cos_out: 0.0,
-            by_alpha_out: 0.0,
-            inner: 0.0,
-            by_alpha_inner: 0.0,
-        };
         let kinds = &self.vertices.kinds;
         let (next, weight) = interface_bounce(
             vector(self.n),
@@ -152,7 +142,7 @@ impl<'a> LaneSurface<'a> {
             local.y,
             local.z,
             interface,
-            self.transmission.map_or(none, |[t]| t),
+            self.transmission.unwrap_or(RoughTransmission::none()),
             self.lobe == Lobe::Diffuse,
             self.lobe == Lobe::Reflected,
             self.lobe == Lobe::Refracted,
@@ -387,19 +377,5 @@ pub fn interface_of_lane(s: &Interface<Lane>, lane: usize) -> Interface<f64> {
         eta: of(s.eta),
         k: of(s.k),
         alpha: s.alpha.to_array()[lane] as f64,
-    }
-}
-
-fn transmission_of_lane(t: &RoughTransmission<Lane>, lane: usize) -> RoughTransmission<f64> {
-    let of = |x: Lane| x.to_array()[lane] as f64;
-    RoughTransmission {
-        at_in: of(t.at_in),
-        by_cos_in: of(t.by_cos_in),
-        by_alpha_in: of(t.by_alpha_in),
-        at_out: of(t.at_out),
-        by_cos_out: of(t.by_cos_out),
-        by_alpha_out: of(t.by_alpha_out),
-        inner: of(t.inner),
-        by_alpha_inner: of(t.by_alpha_inner),
     }
 }

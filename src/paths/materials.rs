@@ -232,21 +232,13 @@ impl MaterialTable {
         cos_in: Lane,
         cos_out: Lane,
     ) -> RoughTransmission<Lane> {
-        let zero = Lane::splat(0.0);
         let rough = kinds.plastic & !kinds.smooth;
         if rough == 0 {
-            return RoughTransmission {
-                at_in: zero,
-                by_cos_in: zero,
-                by_alpha_in: zero,
-                at_out: zero,
-                by_cos_out: zero,
-                by_alpha_out: zero,
-                inner: zero,
-                by_alpha_inner: zero,
-            };
+            return RoughTransmission::none();
         }
-        let mut numbers = [[0.0; LANES]; 8];
+        let mut into = [[0.0; LANES]; 4];
+        let mut out = into;
+        let mut inner = [[0.0; LANES]; 3];
         let (cos_in, cos_out) = (cos_in.to_array(), cos_out.to_array());
         for lane in (0..LANES).filter(|&l| rough >> l & 1 == 1) {
             let mesh = geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
@@ -254,23 +246,19 @@ impl MaterialTable {
             let Some(table) = &entry.transmission else {
                 continue;
             };
-            let values = [table.at(cos_in[lane]), table.at(cos_out[lane])].concat();
-            let inner = [table.inner, table.inner_by_alpha];
-            for (row, value) in numbers.iter_mut().zip(values.into_iter().chain(inner)) {
-                row[lane] = value;
+            for k in 0..4 {
+                into[k][lane] = table.at(cos_in[lane])[k];
+                out[k][lane] = table.at(cos_out[lane])[k];
+            }
+            for k in 0..3 {
+                inner[k][lane] = table.inner[k];
             }
         }
-        let [a, b, c, d, e, f, g, h] = numbers.map(Lane::new);
-        RoughTransmission {
-            at_in: a,
-            by_cos_in: b,
-            by_alpha_in: c,
-            at_out: d,
-            by_cos_out: e,
-            by_alpha_out: f,
-            inner: g,
-            by_alpha_inner: h,
-        }
+        RoughTransmission::new(
+            into.map(Lane::new),
+            out.map(Lane::new),
+            inner.map(Lane::new),
+        )
     }
 }
 

@@ -9,6 +9,7 @@ pub mod scenes;
 pub mod shapes;
 pub mod statistics;
 pub mod swatch;
+pub mod transposition;
 
 use warpath::methods::{self, Method, Objective, Progress, Settings};
 use warpath::scene::Scene;

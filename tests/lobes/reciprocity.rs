@@ -55,11 +55,14 @@ const THROUGH: RoughTransmission<f64> = RoughTransmission {
     at_in: 0.5,
     by_cos_in: 0.3,
     by_alpha_in: 0.1,
+    by_eta_in: 0.05,
     at_out: 0.5,
     by_cos_out: 0.3,
     by_alpha_out: 0.1,
+    by_eta_out: 0.05,
     inner: 0.5,
     by_alpha_inner: 0.1,
+    by_eta_inner: -0.3,
 };
 
 /// π times the BSDF, for light from `o` seen from `i`.
@@ -173,11 +176,11 @@ fn reflection_is_reciprocal() {
             let one = value(kind, s, rough.distribution, DVec3::Z, [i, o]);
             let other = value(kind, s, rough.distribution, DVec3::Z, [o, i]);
             assert_equal(&what, one, other, ROUNDING);
-            let through = |cos: f64| 0.5 + 0.3 * cos + 0.1 * rough.alpha;
+            let through = |cos: f64| 0.5 + 0.3 * cos + 0.1 * rough.alpha + 0.05 * ETA;
             let formula = if kind == Kind::Metal {
                 rough.metal(i, o) / o.z
             } else {
-                let inner = 0.5 + 0.1 * rough.alpha;
+                let inner = 0.5 + 0.1 * rough.alpha - 0.3 * ETA;
                 let base = base(PLASTIC_COLOUR, inner, true);
                 base * through(i.z) * through(o.z) + rough.gloss(i, o) / o.z
             };

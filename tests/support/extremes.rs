@@ -178,7 +178,8 @@ fn material(alpha: f64) -> Point {
     point.extend([1.5, 0.3, 1.2].map(|x| (x, 0.1 * x)));
     point.extend([2.5, 3.0, 0.2].map(|x| (x, x)));
     point.push((alpha, alpha));
-    point.extend([0.5, 0.3, 0.1, 0.6, 0.2, 0.1, 0.4, 0.1].map(|x| (x, 1.0)));
+    let transmission = [0.4, 0.3, 0.1, 0.07, 0.5, 0.2, 0.1, 0.06, 0.3, 0.1, 0.05];
+    point.extend(transmission.map(|x| (x, 1.0)));
     point
 }
 
