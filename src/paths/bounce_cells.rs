@@ -17,7 +17,7 @@ use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
-use crate::warp::resolve::{Crossing, Unresolved, between};
+use crate::warp::resolve::{Crossing, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
 
@@ -362,39 +362,11 @@ impl Finder<'_> {
                 a: pair[0].0,
                 b: pair[1].0,
             };
-            match between(
-                self.tracer.geometry,
-                self.adjacency,
-                &arc,
-                [pair[0].1, pair[1].1],
-                choice(i as u32),
-                2.0 * PROBE,
-            ) {
-                Ok([silhouette, ridge]) => {
-                    for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
-                        let Some(Crossing { boundary, s, count }) = crossing else {
-                            continue;
-                        };
-                        let psi = line.psi_of(arc.direction(s));
-                        if is_silhouette {
-                            silhouettes.push(psi);
-                        }
-                        found.push(Found {
-                            boundary,
-                            arc,
-                            s,
-                            psi,
-                            is_silhouette,
-                            weight: count as f64,
-                            triangles: [pair[0].1, pair[1].1],
-                        });
-                    }
-                }
-                Err(Unresolved) => {
-                    self.counts.unresolved += 1;
-                    all_found = false;
-                }
-            }
+            let ends = [pair[0].1, pair[1].1];
+            let before = found.len();
+            all_found &= self.between(line, &point, &arc, ends, choice(i as u32), &mut found);
+            let silhouettes_here = found[before..].iter().filter(|f| f.is_silhouette);
+            silhouettes.extend(silhouettes_here.map(|f| f.psi));
         }
         if all_found {
             let weights = line.run_weights(&silhouettes);
@@ -408,6 +380,53 @@ impl Finder<'_> {
             }
         }
         found
+    }
+
+    /// Adds what lies on an arc between two directions in which these triangles are seen. Whether that explains them, with
+    /// no need of a third.
+    fn between(
+        &mut self,
+        line: &Line,
+        point: &SurfacePoint,
+        arc: &Arc,
+        ends: [u32; 2],
+        choice: f64,
+        found: &mut Vec<Found>,
+    ) -> bool {
+        let (tracer, adjacency) = (self.tracer, self.adjacency);
+        let mut probes = Counts::default();
+        let seen = |s: f64| point.first_hit(tracer, arc.direction(s), f32::INFINITY, &mut probes);
+        let find = |[from, to]: [f64; 2], triangles: [u32; 2]| {
+            let arc = Arc {
+                a: arc.direction(from),
+                b: arc.direction(to),
+                ..*arc
+            };
+            let gap = 2.0 * PROBE;
+            let crossings = between(tracer.geometry, adjacency, &arc, triangles, choice, gap)?;
+            Ok((arc, triangles, crossings))
+        };
+        let (parts, unresolved) = between_halves(ends, seen, find);
+        self.counts.unresolved += unresolved;
+        for (arc, triangles, [silhouette, ridge]) in parts {
+            for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
+                let Some(Crossing { boundary, s, count }) = crossing else {
+                    continue;
+                };
+                found.push(Found {
+                    boundary,
+                    arc,
+                    s,
+                    psi: line.psi_of(arc.direction(s)),
+                    is_silhouette,
+                    weight: count as f64,
+                    triangles,
+                });
+            }
+        }
+        let is_explained = unresolved == 0 && probes.probe == 0;
+        *self.counts += probes;
+        is_explained
     }
 
     /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell. Returns what else
@@ -461,7 +480,7 @@ impl Finder<'_> {
                 }
                 if found.is_silhouette {
                     let seen = [seen[2 * i], seen[2 * i + 1]];
-                    rest.extend(self.rest(line, found, seen));
+                    rest.extend(self.rest(line, &point, found, seen));
                 }
             }
         }
@@ -470,7 +489,13 @@ impl Finder<'_> {
 
     /// The silhouettes in the rest of the cell in which one was found, beside which `seen` is seen: where that is not what
     /// the ends see, something else ends in between.
-    fn rest(&mut self, line: &Line, found: &Found, [before, after]: [u32; 2]) -> Vec<Found> {
+    fn rest(
+        &mut self,
+        line: &Line,
+        point: &SurfacePoint,
+        found: &Found,
+        [before, after]: [u32; 2],
+    ) -> Vec<Found> {
         let Found { arc, s, weight, .. } = *found;
         let [a, b] = found.triangles;
         let parts = [(0.0, s - PROBE, [a, before]), (s + PROBE, 1.0, [after, b])];
@@ -484,20 +509,12 @@ impl Finder<'_> {
                 b: arc.direction(to),
                 ..arc
             };
-            let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
-            match between(geometry, adjacency, &arc, triangles, 0.0, 2.0 * PROBE) {
-                Ok([Some(Crossing { boundary, s, .. }), _]) => rest.push(Found {
-                    boundary,
-                    arc,
-                    s,
-                    psi: line.psi_of(arc.direction(s)),
-                    is_silhouette: true,
-                    weight,
-                    triangles,
-                }),
-                Ok([None, _]) => {}
-                Err(Unresolved) => self.counts.unresolved += 1,
-            }
+            let mut found = Vec::new();
+            self.between(line, point, &arc, triangles, 0.0, &mut found);
+            // Edges within what is seen were chosen for the whole cell already.
+            found.retain(|f| f.is_silhouette);
+            found.iter_mut().for_each(|f| f.weight = weight);
+            rest.extend(found);
         }
         rest
     }

@@ -19,7 +19,7 @@ use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
-use crate::warp::resolve::{Crossing, Unresolved, between};
+use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
 
@@ -91,10 +91,7 @@ pub fn find(
                         triangles: [a, b],
                         weight,
                     };
-                    match cell.crossings(choice) {
-                        Ok(found) => candidates.extend(found.into_iter().flatten()),
-                        Err(Unresolved) => counts.unresolved += 1,
-                    }
+                    candidates.extend(cell.all_crossings(choice, counts));
                 }
             }
         }
@@ -178,6 +175,33 @@ impl<'a> Cell<'a> {
         Ok([candidate(silhouette, true), candidate(ridge, false)])
     }
 
+    /// The same where something else may stand in front of both triangles.
+    fn all_crossings(&self, choice: f64, counts: &mut Counts) -> Vec<Candidate<'a>> {
+        let mut probes = 0;
+        let seen = |s: f64| {
+            probes += 1;
+            let tracer = self.tracer;
+            let direction = self.at(s).1.as_vec3();
+            let [near, far] = [tracer.camera.near_clip, tracer.camera.far_clip];
+            tracer.first_hit(tracer.camera.origin, direction, near, far)
+        };
+        let find = |place, triangles| self.part(place, triangles).crossings(choice);
+        let (found, unresolved) = between_halves(self.triangles, seen, find);
+        counts.probe += probes;
+        counts.unresolved += unresolved;
+        found.into_iter().flatten().flatten().collect()
+    }
+
+    /// The part between two places, at which these triangles are seen.
+    fn part(&self, [from, to]: [f64; 2], triangles: [u32; 2]) -> Self {
+        Self {
+            start: self.at(from).0,
+            length: (to - from) * self.length,
+            triangles,
+            ..*self
+        }
+    }
+
     /// The silhouettes in the parts on either side of `s`, beside which `seen` is seen: where that is not what the ends
     /// see, something else ends in between.
     fn rest(&self, s: f64, seen: [u32; 2], counts: &mut Counts) -> Vec<Candidate<'a>> {
@@ -193,17 +217,9 @@ impl<'a> Cell<'a> {
             if triangles[0] == triangles[1] || from >= to {
                 continue;
             }
-            let part = Cell {
-                start: self.at(from).0,
-                length: (to - from) * self.length,
-                triangles,
-                ..*self
-            };
-            match part.crossings(0.0) {
-                // Edges within what is seen were chosen for the whole cell already.
-                Ok([silhouette, _]) => rest.extend(silhouette),
-                Err(Unresolved) => counts.unresolved += 1,
-            }
+            let found = self.part([from, to], triangles).all_crossings(0.0, counts);
+            // Edges within what is seen were chosen for the whole cell already.
+            rest.extend(found.into_iter().filter(|c| c.is_silhouette));
         }
         rest
     }

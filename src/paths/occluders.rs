@@ -5,7 +5,6 @@ use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
 use crate::trace::geometry::NO_TRIANGLE;
-use crate::trace::{Coherence, Hits, MISS, Rays};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::walk::{Arc, Reservoir, Walk, walk};
 use glam::{DVec3, Vec3};
@@ -61,16 +60,7 @@ impl SurfacePoint {
         let d = d.as_vec3();
         // As `tracer::leave`, for one ray.
         let step = (self.x.abs().max_element() + 1.0) * 2e-5 * d.dot(self.geometric).signum();
-        let mut ray = Rays::<1>::default();
-        ray.set(0, self.x + self.geometric * step, d, 0.0, far);
-        let mut hit = Hits::<1>::default();
-        tracer
-            .accel
-            .intersect(&ray, 1, &mut hit, Coherence::Incoherent);
-        match hit.mesh[0] {
-            MISS => NO_TRIANGLE,
-            mesh => tracer.geometry.first_triangle[mesh as usize] + hit.triangle[0],
-        }
+        tracer.first_hit(self.x + self.geometric * step, d, 0.0, far)
     }
 }
 

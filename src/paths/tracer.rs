@@ -14,7 +14,7 @@ use super::surface::Surface;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::scene::Scene;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
-use crate::trace::{Accel, Coherence, Hits};
+use crate::trace::{Accel, Coherence, Hits, MISS, Rays};
 use crate::warp::adjacency::Adjacency;
 use glam::Vec3;
 
@@ -298,12 +298,25 @@ impl Tracer<'_> {
         self.accel
             .intersect(&to_rays(rays), rays.active, &mut hits, coherence);
         std::array::from_fn(|l| {
-            if rays.active >> l & 1 == 1 && hits.mesh[l] != crate::trace::MISS {
+            if rays.active >> l & 1 == 1 && hits.mesh[l] != MISS {
                 self.geometry.first_triangle[hits.mesh[l] as usize] + hits.triangle[l]
             } else {
                 NO_TRIANGLE
             }
         })
+    }
+
+    /// The triangle one ray meets first.
+    pub fn first_hit(&self, origin: Vec3, direction: Vec3, near: f32, far: f32) -> u32 {
+        let mut ray = Rays::<1>::default();
+        ray.set(0, origin, direction, near, far);
+        let mut hit = Hits::<1>::default();
+        self.accel
+            .intersect(&ray, 1, &mut hit, Coherence::Incoherent);
+        match hit.mesh[0] {
+            MISS => NO_TRIANGLE,
+            mesh => self.geometry.first_triangle[mesh as usize] + hit.triangle[0],
+        }
     }
 
     /// Radiance of each path of `store` that begins at `path`: Σ over vertices of throughput · (emission + light samples).

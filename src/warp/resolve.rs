@@ -24,6 +24,37 @@ pub struct Crossing {
 #[derive(Clone, Copy, Debug)]
 pub struct Unresolved;
 
+/// Halvings of a cell before it is given up.
+const HALVINGS: u32 = 6;
+
+/// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that explains them, because both
+/// go on behind something that stands between the rays, a ray between them (`seen`: what it sees) says what that is, and
+/// both halves are looked at. Places are parameters from 0 to 1; the number of parts left without an explanation is
+/// returned.
+pub fn between_halves<T>(
+    ends: [u32; 2],
+    mut seen: impl FnMut(f64) -> u32,
+    mut find: impl FnMut([f64; 2], [u32; 2]) -> Result<T, Unresolved>,
+) -> (Vec<T>, u64) {
+    let mut found = Vec::new();
+    let mut unresolved = 0;
+    let mut parts = vec![([0.0, 1.0], ends, 0)];
+    while let Some((place @ [from, to], ends @ [a, b], halvings)) = parts.pop() {
+        match find(place, ends) {
+            Ok(part) => found.push(part),
+            Err(Unresolved) if halvings == HALVINGS => unresolved += 1,
+            Err(Unresolved) => {
+                let middle = 0.5 * (from + to);
+                let m = seen(middle);
+                let halves = [([middle, to], [m, b]), ([from, middle], [a, m])];
+                let differ = halves.into_iter().filter(|(_, [a, b])| a != b);
+                parts.extend(differ.map(|(place, ends)| (place, ends, halvings + 1)));
+            }
+        }
+    }
+    (found, unresolved)
+}
+
 /// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
 /// silhouette, if they see different surfaces, and an edge of the flat-shaded surfaces on either side of it, across which
 /// their shading jumps. Of several such edges `choice` in [0, 1) picks one, and those
