@@ -335,7 +335,6 @@ impl Finder<'_> {
         choice: impl Fn(u32) -> f64,
     ) -> Vec<Found> {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
-        let origin = point.x.as_dvec3();
         let points: Vec<(DVec3, u32)> = line
             .psi
             .iter()
@@ -358,7 +357,7 @@ impl Finder<'_> {
         let mut all_found = true;
         for (i, pair) in points.windows(2).enumerate() {
             let arc = Arc {
-                origin,
+                origin: point.leave(pair[0].0 + pair[1].0).as_dvec3(),
                 a: pair[0].0,
                 b: pair[1].0,
             };

@@ -211,6 +211,7 @@ impl Cell {
     ) -> Option<LightCrossing> {
         let patch = &tracer.lights.patches[self.patch as usize];
         let x = lane_of(surface.x, self.lane).as_dvec3();
+        let from_surface = SurfacePoint::of_lane(surface, &vertices.triangle, self.lane);
         let point = |at: f64| -> DVec3 {
             let at = at as f32;
             let y = if self.axis == 0 {
@@ -218,11 +219,11 @@ impl Cell {
             } else {
                 patch.point(self.fixed, at)
             };
-            y.as_dvec3() - x
+            let y = y.as_dvec3();
+            y - from_surface.leave(y - x).as_dvec3()
         };
         let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
         let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
-        let from_surface = SurfacePoint::of_lane(surface, &vertices.triangle, self.lane);
         let OccluderEnd { edge, along, at } = follow_occluders(
             tracer,
             adjacency,

@@ -1,6 +1,6 @@
 //! From an occluded ray to the silhouette behind which it would be free.
 
-use super::rays::lane_of;
+use super::rays::{OFFSET, lane_of};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
@@ -54,13 +54,18 @@ impl SurfacePoint {
             .unwrap_or([a, b])
     }
 
-    /// The first triangle on the way to x + `d`·`far`.
+    /// Where rays toward `d` start: as `rays::leave`. Walks that look for what these rays met start there too, or the
+    /// ends of what is near would seem to lie elsewhere.
+    pub fn leave(&self, d: DVec3) -> Vec3 {
+        let side = d.as_vec3().dot(self.geometric).signum();
+        let step = (self.x.abs().max_element() + 1.0) * OFFSET * side;
+        self.x + self.geometric * step
+    }
+
+    /// The first triangle on the way along `d`, of `far` times its length.
     pub fn first_hit(&self, tracer: &Tracer, d: DVec3, far: f32, counts: &mut Counts) -> u32 {
         counts.probe += 1;
-        let d = d.as_vec3();
-        // As `tracer::leave`, for one ray.
-        let step = (self.x.abs().max_element() + 1.0) * 2e-5 * d.dot(self.geometric).signum();
-        tracer.first_hit(self.x + self.geometric * step, d, 0.0, far)
+        tracer.first_hit(self.leave(d), d.as_vec3(), 0.0, far)
     }
 }
 
@@ -76,7 +81,6 @@ pub fn follow_occluders(
     far: f32,
     counts: &mut Counts,
 ) -> Option<OccluderEnd> {
-    let origin = point.x.as_dvec3();
     let mut at = from;
     let is_free = |at: f64, counts: &mut Counts| {
         let is_past_end = (to - at) * (to - from) <= 0.0;
@@ -102,7 +106,7 @@ pub fn follow_occluders(
             return None;
         }
         let arc = Arc {
-            origin,
+            origin: point.leave(direction(at)).as_dvec3(),
             a: direction(at),
             b: direction(to),
         };

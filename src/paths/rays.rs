@@ -17,11 +17,14 @@ pub struct RayPacket {
 /// Shadow rays stop a little before the light.
 pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
 
-/// A point just off the surface, on the side that `direction` leaves to. The offset is some hundred units in the
-/// last place of the largest coordinate: what rounding can have moved the hit by.
+/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one: some hundred units in the
+/// last place, what rounding can have moved the hit by.
+pub const OFFSET: f32 = 2e-5;
+
+/// A point just off the surface, on the side that `direction` leaves to.
 pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {
     let size = x.x.abs().max(x.y.abs()).max(x.z.abs()) + Lane::splat(1.0);
-    let step = size * Lane::splat(2e-5) * geometric.dot(direction).signum();
+    let step = size * Lane::splat(OFFSET) * geometric.dot(direction).signum();
     x + geometric * step
 }
 
