@@ -5,15 +5,14 @@
 //! (`paths::bounce_lines`), whose points are the ends of cells.
 
 use super::bounce_lines::{LaneSurface, Line, Lobe};
-use super::occluders::{OccluderEnd, PROBE, SurfacePoint, follow_occluders};
+use super::occluders::{PROBE, SurfacePoint};
 use super::random::Stream;
-use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
+use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::store::{TileStore, Vertices};
 use super::surface::Surface;
 use super::tracer::{Counts, PAIRS_PER_VERTEX, Tracer};
 use crate::lanes::LANES;
 use crate::scene::Rgb;
-use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
@@ -49,7 +48,7 @@ const PROBE_INDEX: u32 = 0x4000_0000;
 /// Dimension of a stream from which on families of lines are drawn.
 const AXIS: u32 = 0x2000_0000;
 /// There are two families and one is drawn.
-const FAMILIES: f64 = 2.0;
+pub(super) const FAMILIES: f64 = 2.0;
 
 /// Finds the crossings on a line for the vertex stored last, whose bounces are `rays`; `depth` is that of the
 /// vertices the bounces lead to. One of the two families is drawn for the whole packet.
@@ -113,17 +112,18 @@ pub fn find(
     }
 }
 
-struct Finder<'a> {
-    tracer: &'a Tracer<'a>,
-    adjacency: &'a Adjacency,
-    vertices: &'a Vertices,
-    surface: &'a Surface,
-    rays: &'a RayPacket,
-    axis: usize,
-    jitter: [f32; LANES],
-    at_last: bool,
-    counts: &'a mut Counts,
-    out: &'a mut Vec<BounceCrossing>,
+/// Looks on the lines of one packet's vertices.
+pub(super) struct Finder<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) adjacency: &'a Adjacency,
+    pub(super) vertices: &'a Vertices,
+    pub(super) surface: &'a Surface,
+    pub(super) rays: &'a RayPacket,
+    pub(super) axis: usize,
+    pub(super) jitter: [f32; LANES],
+    pub(super) at_last: bool,
+    pub(super) counts: &'a mut Counts,
+    pub(super) out: &'a mut Vec<BounceCrossing>,
 }
 
 /// A crossing on a line among reflecting surfaces, before its jump is known.
@@ -145,108 +145,7 @@ struct Found {
 const ROUNDS: usize = 4;
 
 impl Finder<'_> {
-    /// Diffuse lanes under a constant environment, at their last bounce; those in `free` see it.
-    fn environment(&mut self, free: u32) {
-        let Some(environment) = &self.tracer.scene.environment else {
-            return;
-        };
-        let radiance = Vec3::from(self.tracer.scene.constant(environment.radiance)).as_dvec3();
-        let active = self.rays.active;
-        let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
-            (active >> lane & 1 == 1).then(|| {
-                let at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-                let bounce = lane_of(self.rays.direction, lane).as_dvec3().normalize();
-                Line::diffuse(&at, bounce, self.axis, self.jitter[lane] as f64, true)
-            })
-        });
-        let points = lines.iter().flatten().map(|l| l.psi.len()).max();
-        let open: Vec<u32> = (0..points.unwrap_or(0))
-            .map(|i| self.open(&lines, i, free))
-            .collect();
-        let changes = open.windows(2).fold(0, |bits, o| bits | (o[0] ^ o[1])) & active;
-        for (lane, line) in lines.iter().enumerate() {
-            if let (Some(line), true) = (line, changes >> lane & 1 == 1) {
-                let open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
-                self.shadows(lane, line, &open, radiance);
-            }
-        }
-    }
-
-    /// Which lanes see the sky at point `i` of their lines.
-    fn open(&mut self, lines: &[Option<Line>; LANES], i: usize, free: u32) -> u32 {
-        let mut directions = [Vec3::Z; LANES];
-        let (mut wanted, mut known) = (0u32, 0u32);
-        for (lane, line) in lines.iter().enumerate() {
-            if let Some(line) = line {
-                if line.bounce == Some(i) {
-                    known |= free & 1 << lane;
-                } else {
-                    wanted |= 1 << lane;
-                }
-                directions[lane] = line.direction(line.psi[i]).as_vec3();
-            }
-        }
-        let rays = RayPacket {
-            active: wanted,
-            origin: leave(self.surface.x, self.surface.geometric, self.surface.n),
-            direction: from_lanes(&directions),
-            near: 0.0,
-            far: f32::INFINITY,
-        };
-        self.counts.bounce_cell += wanted.count_ones() as u64;
-        let blocked = self
-            .tracer
-            .accel
-            .occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
-        (wanted & !blocked) | known
-    }
-
-    /// The silhouettes of whatever hides the sky at some of the points of a lane's line.
-    fn shadows(&mut self, lane: usize, line: &Line, open: &[bool], radiance: DVec3) {
-        let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
-        let mut silhouettes: Vec<(f64, Boundary, f64)> = Vec::new();
-        let mut all_found = true;
-        for i in (0..open.len() - 1).filter(|&i| open[i] != open[i + 1]) {
-            let ends = [i, i + 1].map(|i| line.direction(line.psi[i]));
-            let (cell, sign) = if open[i] {
-                ([1.0, 0.0], 1.0)
-            } else {
-                ([0.0, 1.0], -1.0)
-            };
-            let direction = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
-            match follow_occluders(
-                self.tracer,
-                self.adjacency,
-                &point,
-                &direction,
-                cell,
-                f32::INFINITY,
-                self.counts,
-            ) {
-                Some(OccluderEnd { edge, at: s, .. }) => {
-                    silhouettes.push((line.psi_of(direction(s)), Boundary::Edge(edge), sign));
-                }
-                None => {
-                    self.counts.unresolved += 1;
-                    all_found = false;
-                }
-            }
-        }
-        let psi: Vec<f64> = silhouettes.iter().map(|s| s.0).collect();
-        let weights = line.run_weights(&psi);
-        let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-        for (i, (psi, boundary, sign)) in silhouettes.into_iter().enumerate() {
-            let weight = if all_found {
-                weights[i].max(weights[i + 1])
-            } else {
-                1.0
-            };
-            let jump = radiance * (sign * weight * FAMILIES);
-            self.push(&mut at, line, lane, boundary, line.direction(psi), jump);
-        }
-    }
-
-    fn push(
+    pub(super) fn push(
         &mut self,
         at: &mut LaneSurface,
         line: &Line,

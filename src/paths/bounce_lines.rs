@@ -271,20 +271,7 @@ impl Line {
             return None;
         }
         let middle = main * phi.cos() + other * phi.sin();
-        // n·d = A sin ψ + B cos ψ changes sign once.
-        let (a, b) = (pole.dot(at.n) * at.side(), middle.dot(at.n) * at.side());
-        let zero = -(b / a).atan();
-        let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
-        if a > 0.0 {
-            low = zero + RIM;
-        } else if a < 0.0 {
-            high = zero - RIM;
-        } else if b <= 0.0 {
-            return None;
-        }
-        if high - low < RIM {
-            return None;
-        }
+        let [low, high] = above_horizon(pole, middle, at.n * at.side())?;
         let scale = 1.0 + (phi / turn).powi(2);
         let spread = Spread::Lobe { width };
         let mut psi: Vec<f64> = (0..INNER_POINTS)
@@ -350,6 +337,23 @@ impl Line {
         }
         weights
     }
+}
+
+/// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since the directions of its
+/// ends are rounded and must not leave on the other side of the surface.
+pub fn above_horizon(pole: DVec3, middle: DVec3, n: DVec3) -> Option<[f64; 2]> {
+    // n·d = A sin ψ + B cos ψ changes sign once, at an end if the pole lies on the horizon.
+    let (a, b) = (pole.dot(n), middle.dot(n));
+    let zero = -(b / a).atan();
+    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+    if a > 0.0 {
+        low = zero;
+    } else if a < 0.0 {
+        high = zero;
+    } else if b <= 0.0 {
+        return None;
+    }
+    (high - low > 3.0 * RIM).then_some([low + RIM, high - RIM])
 }
 
 /// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at `d`; `None` where it does

@@ -7,6 +7,7 @@ pub mod camera;
 pub mod direct;
 pub mod direct_sky;
 pub mod environment;
+mod even_sky;
 pub mod film;
 pub mod film_cells;
 pub mod lattice;

@@ -6,6 +6,7 @@ use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
+use crate::warp::boundary::Boundary;
 use crate::warp::walk::{Arc, Reservoir, Walk, walk};
 use glam::{DVec3, Vec3};
 
@@ -67,6 +68,55 @@ impl SurfacePoint {
         counts.probe += 1;
         tracer.first_hit(self.leave(d), d.as_vec3(), 0.0, far)
     }
+}
+
+/// What hides the sky from a point, along a line of directions.
+pub struct Shadows {
+    pub edges: Vec<ShadowEdge>,
+    /// Whether the end of each shadow was found.
+    pub all_found: bool,
+}
+
+/// An end of a shadow.
+pub struct ShadowEdge {
+    pub boundary: Boundary,
+    pub direction: DVec3,
+    /// +1 if the sky is hidden beyond it, −1 if before it.
+    pub sign: f64,
+}
+
+/// The ends of all shadows between `directions` in which the sky is seen (`is_open`) and those in which it is not.
+pub fn shadow_edges(
+    tracer: &Tracer,
+    adjacency: &Adjacency,
+    point: &SurfacePoint,
+    directions: &[DVec3],
+    is_open: &[bool],
+    counts: &mut Counts,
+) -> Shadows {
+    let mut edges = Vec::new();
+    let mut all_found = true;
+    for i in (0..is_open.len() - 1).filter(|&i| is_open[i] != is_open[i + 1]) {
+        let (cell, sign) = if is_open[i] {
+            ([1.0, 0.0], 1.0)
+        } else {
+            ([0.0, 1.0], -1.0)
+        };
+        let along = |s: f64| directions[i] * (1.0 - s) + directions[i + 1] * s;
+        let far = f32::INFINITY;
+        match follow_occluders(tracer, adjacency, point, &along, cell, far, counts) {
+            Some(OccluderEnd { edge, at, .. }) => edges.push(ShadowEdge {
+                boundary: Boundary::Edge(edge),
+                direction: along(at),
+                sign,
+            }),
+            None => {
+                counts.unresolved += 1;
+                all_found = false;
+            }
+        }
+    }
+    Shadows { edges, all_found }
 }
 
 /// Walks from the occluder that stands in the direction of coordinate `from` toward the free direction of

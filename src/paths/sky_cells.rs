@@ -3,8 +3,8 @@
 //! As `paths::light_cells` for area lights. The jump is the map's radiance where the silhouette is.
 
 use super::bounce_cells::BounceCrossing;
-use super::bounce_lines::line_weight;
-use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
+use super::bounce_lines::{above_horizon, line_weight};
+use super::occluders::{Shadows, SurfacePoint, shadow_edges};
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
 use super::sky::{Sky, SkyLine};
 use super::store::Vertices;
@@ -16,14 +16,13 @@ use crate::trace::Coherence;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
 use glam::{DVec3, Vec3};
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
+use std::f64::consts::FRAC_1_PI;
 
 /// Points on a line besides its ends on the horizon, at quantiles of the line's power.
 const INNER_POINTS: usize = 4;
 /// Runs that are met with less than this chance are weighed as if it were this.
 const SMALLEST_CHANCE: f64 = 1e-3;
 /// Lines end this far above the horizon (radians).
-const RIM: f64 = 1e-4;
 
 /// A lane's line above its horizon.
 struct Seen {
@@ -52,7 +51,7 @@ pub fn find(
             return None;
         }
         let line = sky.line(axis, place[lane] as f64);
-        above_horizon(
+        points_above_horizon(
             sky,
             line,
             lane_of(surface.n, lane).as_dvec3(),
@@ -88,20 +87,8 @@ pub fn find(
 }
 
 /// The part of a line above the horizon of `n`, with points on it.
-fn above_horizon(sky: &Sky, line: SkyLine, n: DVec3, jitter: f64) -> Option<Seen> {
-    let (a, b) = (line.pole.dot(n), line.middle.dot(n));
-    let zero = -(b / a).atan();
-    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
-    if a > 0.0 {
-        low = zero + RIM;
-    } else if a < 0.0 {
-        high = zero - RIM;
-    } else if b <= 0.0 {
-        return None;
-    }
-    if high - low < RIM {
-        return None;
-    }
+fn points_above_horizon(sky: &Sky, line: SkyLine, n: DVec3, jitter: f64) -> Option<Seen> {
+    let [low, high] = above_horizon(line.pole, line.middle, n)?;
     let mut psi: Vec<f64> = (0..INNER_POINTS)
         .map(|k| sky.quantile(&line, (k as f64 + jitter) / INNER_POINTS as f64))
         .filter(|p| (low..high).contains(p))
@@ -164,36 +151,20 @@ impl Finder<'_> {
     fn shadows(&mut self, open: &[bool], out: &mut Vec<BounceCrossing>) {
         let Seen { line, psi } = self.seen;
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, self.lane);
-        let mut found: Vec<(f64, Boundary, f64)> = Vec::new();
-        let mut all_found = true;
-        for i in (0..open.len() - 1).filter(|&i| open[i] != open[i + 1]) {
-            let ends = [i, i + 1].map(|i| direction(line, psi[i]));
-            let (cell, sign) = if open[i] {
-                ([1.0, 0.0], 1.0)
-            } else {
-                ([0.0, 1.0], -1.0)
-            };
-            let along = |s: f64| ends[0] * (1.0 - s) + ends[1] * s;
-            match follow_occluders(
-                self.tracer,
-                self.adjacency,
-                &point,
-                &along,
-                cell,
-                f32::INFINITY,
-                self.counts,
-            ) {
-                Some(OccluderEnd { edge, at, .. }) => {
-                    let d = along(at);
-                    let psi = line.pole.dot(d).atan2(line.middle.dot(d));
-                    found.push((psi, Boundary::Edge(edge), sign));
-                }
-                None => {
-                    self.counts.unresolved += 1;
-                    all_found = false;
-                }
-            }
-        }
+        let directions: Vec<DVec3> = psi.iter().map(|&psi| direction(line, psi)).collect();
+        let Shadows { edges, all_found } = shadow_edges(
+            self.tracer,
+            self.adjacency,
+            &point,
+            &directions,
+            open,
+            self.counts,
+        );
+        let psi_of = |d: DVec3| line.pole.dot(d).atan2(line.middle.dot(d));
+        let found: Vec<(f64, Boundary, f64)> = edges
+            .into_iter()
+            .map(|e| (psi_of(e.direction), e.boundary, e.sign))
+            .collect();
         let mut weights = vec![1.0; found.len() + 1];
         if all_found {
             for (weight, ends) in weights[1..].iter_mut().zip(found.windows(2)) {

@@ -1,0 +1,101 @@
+//! Silhouettes before a constant environment, as seen from diffuse surfaces at the last vertex: all that matters on a line is
+//! where it is hidden, so that its points are occlusion queries and all lanes of a packet have lines.
+
+use super::bounce_cells::{FAMILIES, Finder};
+use super::bounce_lines::{LaneSurface, Line, Lobe};
+use super::occluders::{Shadows, SurfacePoint, shadow_edges};
+use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
+use crate::lanes::LANES;
+use crate::trace::Coherence;
+use glam::{DVec3, Vec3};
+
+impl Finder<'_> {
+    /// Diffuse lanes under a constant environment, at their last bounce; those in `free` see it.
+    pub(super) fn environment(&mut self, free: u32) {
+        let Some(environment) = &self.tracer.scene.environment else {
+            return;
+        };
+        let radiance = Vec3::from(self.tracer.scene.constant(environment.radiance)).as_dvec3();
+        let active = self.rays.active;
+        let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
+            (active >> lane & 1 == 1).then(|| {
+                let at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
+                let bounce = lane_of(self.rays.direction, lane).as_dvec3().normalize();
+                Line::diffuse(&at, bounce, self.axis, self.jitter[lane] as f64, true)
+            })
+        });
+        let points = lines.iter().flatten().map(|l| l.psi.len()).max();
+        let open: Vec<u32> = (0..points.unwrap_or(0))
+            .map(|i| self.open(&lines, i, free))
+            .collect();
+        let changes = open.windows(2).fold(0, |bits, o| bits | (o[0] ^ o[1])) & active;
+        for (lane, line) in lines.iter().enumerate() {
+            if let (Some(line), true) = (line, changes >> lane & 1 == 1) {
+                let open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
+                self.shadows(lane, line, &open, radiance);
+            }
+        }
+    }
+
+    /// Which lanes see the sky at point `i` of their lines.
+    fn open(&mut self, lines: &[Option<Line>; LANES], i: usize, free: u32) -> u32 {
+        let mut directions = [Vec3::Z; LANES];
+        let (mut wanted, mut known) = (0u32, 0u32);
+        for (lane, line) in lines.iter().enumerate() {
+            if let Some(line) = line {
+                if line.bounce == Some(i) {
+                    known |= free & 1 << lane;
+                } else {
+                    wanted |= 1 << lane;
+                }
+                directions[lane] = line.direction(line.psi[i]).as_vec3();
+            }
+        }
+        let rays = RayPacket {
+            active: wanted,
+            origin: leave(self.surface.x, self.surface.geometric, self.surface.n),
+            direction: from_lanes(&directions),
+            near: 0.0,
+            far: f32::INFINITY,
+        };
+        self.counts.bounce_cell += wanted.count_ones() as u64;
+        let blocked = self
+            .tracer
+            .accel
+            .occluded(&to_rays(&rays), wanted, Coherence::Incoherent);
+        (wanted & !blocked) | known
+    }
+
+    /// The silhouettes of whatever hides the sky at some of the points of a lane's line.
+    fn shadows(&mut self, lane: usize, line: &Line, open: &[bool], radiance: DVec3) {
+        let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
+        let directions: Vec<DVec3> = line.psi.iter().map(|&psi| line.direction(psi)).collect();
+        let Shadows { edges, all_found } = shadow_edges(
+            self.tracer,
+            self.adjacency,
+            &point,
+            &directions,
+            open,
+            self.counts,
+        );
+        let psi: Vec<f64> = edges.iter().map(|e| line.psi_of(e.direction)).collect();
+        let weights = line.run_weights(&psi);
+        let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
+        for (i, (edge, psi)) in edges.into_iter().zip(psi).enumerate() {
+            let weight = if all_found {
+                weights[i].max(weights[i + 1])
+            } else {
+                1.0
+            };
+            let jump = radiance * (edge.sign * weight * FAMILIES);
+            self.push(
+                &mut at,
+                line,
+                lane,
+                edge.boundary,
+                line.direction(psi),
+                jump,
+            );
+        }
+    }
+}
