@@ -5,9 +5,9 @@ mod common;
 use common::materials::Paint;
 use common::scenes::*;
 use common::{Quiet, direction, settings};
-use glam::{Vec2, vec3};
+use glam::vec3;
 use warpath::methods::{Method, forward};
-use warpath::scene::{DeltaLight, DeltaLightKind, Layout, Scene, Texture};
+use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
 
 fn close_up() -> Scene {
     common::comparison::close_up().sky([0.7, 0.8, 1.0])
@@ -84,59 +84,7 @@ fn sharp_shadows() {
 }
 
 #[test]
-fn sharp_pictures() {
-    let scene = close_up().picture("floor");
-    taken(&scene, Method::Reparam, "floor.translation", &MOVED);
-    let mut nearest = scene.clone();
-    for texture in &mut nearest.textures {
-        if let Layout::Bitmap { bilinear, .. } = &mut texture.layout {
-            *bilinear = false;
-        }
-    }
-    refused(&nearest, "floor.translation", &MOVED, "floor.bsdf");
-    taken(
-        &nearest,
-        Method::Reparam,
-        "floor.bsdf.reflectance.data",
-        &MOVED,
-    );
-}
-
-/// The floor's two triangles, the second with its picture elsewhere.
-#[test]
-fn pictures_that_do_not_fit_together() {
-    let mut scene = close_up().picture("floor");
-    let floor = scene
-        .meshes
-        .iter_mut()
-        .find(|m| m.id == "floor")
-        .expect("a floor");
-    let first = floor.positions.len() as u32;
-    let second = floor.triangles[1];
-    for &v in &second {
-        floor.positions.push(floor.positions[v as usize]);
-        floor.uvs.push(floor.uvs[v as usize] + Vec2::splat(0.3));
-    }
-    floor.triangles[1] = [first, first + 1, first + 2];
-    refused(&scene, "floor.translation", &MOVED, "floor");
-    taken(&scene, Method::Interior, "floor.translation", &MOVED);
-    // Shifted by a whole picture it fits.
-    let floor = scene
-        .meshes
-        .iter_mut()
-        .find(|m| m.id == "floor")
-        .expect("a floor");
-    let to_uv = floor.uvs.clone();
-    for (k, &v) in second.iter().enumerate() {
-        floor.uvs[first as usize + k] = to_uv[v as usize];
-    }
-    taken(&scene, Method::Reparam, "floor.translation", &MOVED);
-}
-
-#[test]
 fn what_has_no_derivative() {
-    let rough = close_up().plastic("floor", Some(0.2));
-    refused(&rough, "floor.bsdf.eta", &[1.0], "floor.bsdf");
     let mut mirror = close_up().metal("floor", 0.2, warpath::scene::Distribution::Ggx);
     for texture in &mut mirror.textures {
         if texture.key == "floor.bsdf.eta" {

@@ -14,13 +14,14 @@ use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
 const IDLE: &[&str] = &[
     "lamp.bsdf.brdf_0.reflectance.value",
     "floor.bsdf.brdf_0.reflectance.value",
+    "wedge.bsdf.brdf_0.reflectance.value",
     "narrow.bsdf.brdf_0.reflectance.value",
     "wide.bsdf.brdf_0.reflectance.value",
     "glass.bsdf.brdf_0.reflectance.value",
     "plastic.bsdf.brdf_0.reflectance.value",
 ];
 
-/// Narrow and wide metal, rough glass, plastic (smooth if none is given), a picture, the sun and a lamp.
+/// Narrow and wide metal, rough glass, plastic (smooth if none is given), pictures, the sun and a lamp.
 fn materials(depth: u32, plastic_alpha: Option<f32>) -> Scene {
     let block = |at: Vec3| placed(cuboid(Vec3::splat(0.25)), vec3(10.0, 20.0, 30.0), at);
     scene(
@@ -36,8 +37,10 @@ fn materials(depth: u32, plastic_alpha: Option<f32>) -> Scene {
     .solid("wide", block(vec3(-0.6, 0.4, 0.4)), [0.5; 3])
     .solid("glass", block(vec3(-0.2, -0.8, 0.5)), [0.5; 3])
     .smooth("plastic", ball(1, vec3(-0.9, -0.5, 0.3), 0.3), [0.5; 3])
+    .smooth("wedge", block(vec3(0.9, 0.8, 0.3)), [0.5; 3])
     .light("lamp", ceiling(vec3(0.2, 0.1, 2.5), 0.5), [5.0, 6.0, 4.0])
-    .picture("floor")
+    .checkerboard("floor")
+    .picture("wedge")
     .metal("narrow", 0.1, Ggx)
     .metal("wide", 0.3, Beckmann)
     .glass("glass", 0.12)

@@ -4,7 +4,6 @@ mod adjoint;
 mod differences;
 mod primal;
 mod refusals;
-mod seams;
 mod stage;
 mod tangent;
 

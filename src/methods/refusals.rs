@@ -1,8 +1,7 @@
 //! What cannot be differentiated is refused, in words.
 
-use super::seams::jumps_at_a_seam;
 use super::{EngineError, Method};
-use crate::scene::{Bsdf, Layout, Scene, SceneDifferential};
+use crate::scene::{Bsdf, Scene, SceneDifferential};
 
 /// Refuses gradients that would be silently wrong: sharp edges that no cell finds.
 pub fn check(
@@ -66,35 +65,6 @@ pub fn check(
     }
     if let Some(light) = scene.delta_lights.first() {
         return refuse(sharp_shadows(&light.key));
-    }
-    let shown = used().flat_map(|m| m.bsdf.textures());
-    let emitted = scene.area_lights.iter().map(|l| l.radiance);
-    for texture in shown.chain(emitted).map(|t| &scene.textures[t]) {
-        let is_sharp = match texture.layout {
-            Layout::Constant => false,
-            Layout::Checkerboard { .. } => true,
-            Layout::Bitmap { bilinear, .. } => !bilinear,
-        };
-        if is_sharp {
-            return refuse(format!(
-                "{}: the edges inside a checkerboard or a bitmap with filter_type nearest are not found, so gradients by \
-                 what moves would be wrong; use a bilinear bitmap",
-                texture.key
-            ));
-        }
-    }
-    for mesh in &scene.meshes {
-        let shown = scene.materials[mesh.material].bsdf.textures();
-        let emitted = mesh.area_light.map(|l| scene.area_lights[l].radiance);
-        for texture in shown.into_iter().chain(emitted) {
-            if jumps_at_a_seam(mesh, &scene.textures[texture]) {
-                return refuse(format!(
-                    "{}: the picture on {} does not fit together along a seam of its texture coordinates, and that edge is not \
-                     found, so gradients by what moves would be wrong; use face_normals or a picture that fits",
-                    scene.textures[texture].key, mesh.id
-                ));
-            }
-        }
     }
     Ok(())
 }

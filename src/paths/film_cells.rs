@@ -68,7 +68,8 @@ pub fn find(
                 };
                 let at = row * columns + column;
                 let (a, b) = (image.triangle[at], image.triangle[at + stride]);
-                if inner && a != b && moves(a, b) {
+                let differ = a != b || tracer.geometry.has_painted_edges(a);
+                if inner && differ && moves(a, b) {
                     let dimension = CHOICE + (axis * columns * rows + at) as u32;
                     let mut choice = tile.stream.uniform(dimension) as f64;
                     // Equal radiances mostly mean that there is no jump, unless both are in shadow.

@@ -1,5 +1,6 @@
 //! All meshes of a scene one after another: what kernels gather from, eight or sixteen triangles at a time.
 
+use super::pattern::Pattern;
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Scene;
 use glam::{Vec2, Vec3};
@@ -24,6 +25,8 @@ pub struct Geometry {
     pub uvs: Vec<Vec2>,
     /// Whether each mesh is shaded smoothly.
     pub smooth: Vec<bool>,
+    /// The pictures on each mesh that has any.
+    pub patterns: Vec<Option<Pattern>>,
 }
 
 impl Geometry {
@@ -44,6 +47,7 @@ impl Geometry {
             normals: Vec::new(),
             uvs: Vec::new(),
             smooth,
+            patterns: scene.meshes.iter().map(|m| Pattern::of(scene, m)).collect(),
         };
         for (index, mesh) in scene.meshes.iter().enumerate() {
             let base = g.positions.len() as u32;
@@ -65,6 +69,19 @@ impl Geometry {
             g.first_triangle.push(g.triangles.len() as u32);
         }
         g
+    }
+
+    /// The pictures on a triangle's mesh.
+    pub fn pattern(&self, triangle: u32) -> Option<&Pattern> {
+        self.patterns[self.mesh_of_triangle[triangle as usize] as usize].as_ref()
+    }
+
+    /// Whether a picture may jump within the triangle, if there is one.
+    pub fn has_painted_edges(&self, triangle: u32) -> bool {
+        triangle != NO_TRIANGLE
+            && self
+                .pattern(triangle)
+                .is_some_and(|p| !p.rulings.is_empty())
     }
 
     /// The vertices of a triangle in each lane; lanes without one get a harmless unit triangle.

@@ -32,6 +32,12 @@ pub enum Boundary {
         along: f64,
         line: DVec3,
     },
+    /// A line painted on a triangle through two points that keep their places on it, given by the barycentrics of its second and
+    /// third vertex.
+    Ink {
+        triangle: [u32; 3],
+        ends: [[f64; 2]; 2],
+    },
 }
 
 impl Boundary {
@@ -50,6 +56,11 @@ impl Boundary {
                 along,
                 line,
             } => at(a).lerp(at(b), along).cross(line),
+            Boundary::Ink { triangle, ends } => {
+                let [a, b, c] = triangle.map(at);
+                let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
+                p.cross(q)
+            }
         }
     }
 
@@ -70,6 +81,11 @@ impl Boundary {
                 let at = a + (b - a) * F::splat(along);
                 let line = V3::new(F::splat(line.x), F::splat(line.y), F::splat(line.z));
                 edge_side(o, d, at, at + line)
+            }
+            Boundary::Ink { triangle, ends } => {
+                let [a, b, c] = triangle.map(&point);
+                let [p, q] = ends.map(|[s, t]| a + (b - a) * F::splat(s) + (c - a) * F::splat(t));
+                edge_side(o, d, p, q)
             }
         }
     }
@@ -118,6 +134,18 @@ impl Boundary {
                 let at_bar = dvec3(at_bar) + dvec3(end_bar);
                 scatter(a, at_bar * (1.0 - along));
                 scatter(b, at_bar * along);
+                (dvec3(o_bar), dvec3(d_bar))
+            }
+            Boundary::Ink { triangle, ends } => {
+                let [a, b, c] = triangle.map(point);
+                let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
+                let (o_bar, d_bar, p_bar, q_bar) =
+                    edge_side_adjoint(vector(o), vector(d), p, q, side_bar);
+                for ([s, t], bar) in ends.into_iter().zip([p_bar, q_bar].map(dvec3)) {
+                    for (v, part) in triangle.into_iter().zip([1.0 - s - t, s, t]) {
+                        scatter(v, bar * part);
+                    }
+                }
                 (dvec3(o_bar), dvec3(d_bar))
             }
         }

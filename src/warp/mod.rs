@@ -2,5 +2,6 @@
 
 pub mod adjacency;
 pub mod boundary;
+pub mod ink;
 pub mod resolve;
 pub mod walk;

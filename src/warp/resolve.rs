@@ -7,6 +7,7 @@
 
 use super::adjacency::Adjacency;
 use super::boundary::Boundary;
+use super::ink;
 use super::walk::{Arc, Fold, Reservoir, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 
@@ -56,8 +57,8 @@ pub fn between_halves<T>(
 }
 
 /// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
-/// silhouette, if they see different surfaces, and an edge of the flat-shaded surfaces on either side of it, across which
-/// their shading jumps. Of several such edges `choice` in [0, 1) picks one, and those
+/// silhouette, if they see different surfaces, and an edge within the surfaces on either side of it, across which the shading of
+/// flat ones jumps, or a picture on them. Of several such edges `choice` in [0, 1) picks one, and those
 /// nearer to the next than `gap` (in parameters of the arc) are taken as one with it.
 pub fn between(
     geometry: &Geometry,
@@ -68,14 +69,16 @@ pub fn between(
     gap: f64,
 ) -> Result<[Option<Crossing>; 2], Unresolved> {
     if a == b {
-        return Ok([None, None]);
+        return Ok([None, painted(geometry, arc, a, choice, gap)]);
     }
     let back = arc.reversed();
-    let is_flat = |t: u32| {
-        t != NO_TRIANGLE && !geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize]
+    let has_ridges = |t: u32| {
+        t != NO_TRIANGLE
+            && (!geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize]
+                || geometry.pattern(t).is_some())
     };
     let reservoir = |t: u32| {
-        if is_flat(t) {
+        if has_ridges(t) {
             Reservoir::new(choice, gap)
         } else {
             Reservoir::closed()
@@ -111,7 +114,7 @@ pub fn between(
 
     // The ridges up to the silhouette on the side of a, and from there on on the side of b.
     let mut ridges = Reservoir::new(choice, gap);
-    if is_flat(b) {
+    if has_ridges(b) {
         walk(
             geometry,
             adjacency,
@@ -122,7 +125,7 @@ pub fn between(
         );
     }
     ridges = ridges.turned();
-    if is_flat(a) {
+    if has_ridges(a) {
         walk(
             geometry,
             adjacency,
@@ -132,23 +135,44 @@ pub fn between(
             &mut ridges,
         );
     }
-    Ok([Some(Crossing::of(silhouette, 1)), ridges.crossing()])
-}
-
-impl Crossing {
-    fn of(fold: Fold, count: u32) -> Self {
-        Self {
-            boundary: Boundary::Edge(fold.edge),
-            s: fold.s.clamp(0.0, 1.0),
-            count,
-        }
-    }
+    let silhouette = Crossing {
+        boundary: Boundary::Edge(silhouette.edge),
+        s: silhouette.s.clamp(0.0, 1.0),
+        count: 1,
+    };
+    Ok([Some(silhouette), ridges.crossing()])
 }
 
 impl Reservoir {
     fn crossing(self) -> Option<Crossing> {
-        self.chosen.map(|fold| Crossing::of(fold, self.count))
+        let count = self.count;
+        self.chosen.map(|(boundary, s)| Crossing {
+            boundary,
+            s: s.clamp(0.0, 1.0),
+            count,
+        })
     }
+}
+
+/// A painted line between two rays that see one triangle.
+fn painted(
+    geometry: &Geometry,
+    arc: &Arc,
+    triangle: u32,
+    choice: f64,
+    gap: f64,
+) -> Option<Crossing> {
+    if !geometry.has_painted_edges(triangle) {
+        return None;
+    }
+    let corners = geometry.triangles[triangle as usize];
+    let points = corners.map(|v| geometry.positions[v as usize].as_dvec3() - arc.origin);
+    let mut lines = Reservoir::new(choice, gap);
+    for (line, s) in ink::lines(geometry, triangle, points, arc, [0.0, 1.0]) {
+        lines.meet(line, s);
+    }
+    lines.settle(1.0 + gap);
+    lines.crossing()
 }
 
 /// The line in which the planes of triangles `a` and `b` meet, if it passes between the rays.

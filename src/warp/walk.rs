@@ -10,6 +10,8 @@
 //! vertices alone and are the same from both sides of an edge.
 
 use super::adjacency::Adjacency;
+use super::boundary::Boundary;
+use super::ink;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
@@ -78,7 +80,8 @@ impl Arc {
 }
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
-/// `goal`, up to parameter `limit` (1: all the way). Edges at which the surface bends on the way are shown to `ridges`.
+/// `goal`, up to parameter `limit` (1: all the way). What the radiance may jump at on the way is shown to `ridges`: edges at
+/// which a flat-shaded surface bends, and those of pictures.
 pub fn walk(
     geometry: &Geometry,
     adjacency: &Adjacency,
@@ -95,9 +98,11 @@ pub fn walk(
         p.dot((q - p).cross(r - p)) < 0.0
     };
 
+    let is_flat = !geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize];
     let mut triangle = start;
     let mut facing = faces(start);
     let mut entered_by = None;
+    let mut entered_at = 0.0;
     for _ in 0..MAX_STEPS {
         let vertices = corners(triangle);
         let points = vertices.map(position);
@@ -120,6 +125,12 @@ pub fn walk(
             return Walk::Lost;
         };
         let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
+        if ridges.is_open() {
+            let part = [entered_at, s.min(limit)];
+            for (line, s) in ink::lines(geometry, triangle, points, arc, part) {
+                ridges.meet(line, s);
+            }
+        }
         if s >= limit {
             ridges.settle(limit);
             return Walk::Continues;
@@ -140,15 +151,25 @@ pub fn walk(
             ridges.settle(s);
             return Walk::Fold(fold);
         }
-        if ridges.is_open() && bend(points, corners(across.triangle).map(position)) > FLAT {
-            ridges.meet(fold);
+        if ridges.is_open() {
+            let bends = || is_flat && bend(points, corners(across.triangle).map(position)) > FLAT;
+            if bends() || ink::is_seam(geometry, triangle, corner, &across) {
+                ridges.meet(Boundary::Edge(fold.edge), s);
+            }
         }
         if across.triangle == goal {
+            if ridges.is_open() {
+                let points = corners(goal).map(position);
+                for (line, s) in ink::lines(geometry, goal, points, arc, [s, 1.0]) {
+                    ridges.meet(line, s);
+                }
+            }
             ridges.settle(1.0 + ridges.gap);
             return Walk::Reached;
         }
         triangle = across.triangle;
         entered_by = Some(across.corner);
+        entered_at = s;
     }
     Walk::Lost
 }
@@ -156,13 +177,14 @@ pub fn walk(
 /// One crossing out of a stream of unknown length, each with the same chance (a reservoir of one, whose random number is
 /// stretched after each decision).
 pub struct Reservoir {
-    pub chosen: Option<Fold>,
+    /// With its parameter on the arc.
+    pub chosen: Option<(Boundary, f64)>,
     pub count: u32,
     /// In [0, 1); `None` if nothing is to be collected.
     choice: Option<f64>,
     /// Crossings nearer than this to the next one are left out: who looks beside the next one sees both.
     gap: f64,
-    pending: Option<Fold>,
+    pending: Option<(Boundary, f64)>,
 }
 
 impl Reservoir {
@@ -180,17 +202,14 @@ impl Reservoir {
     /// Takes nothing.
     pub fn closed() -> Self {
         Self {
-            chosen: None,
-            count: 0,
             choice: None,
-            gap: 0.0,
-            pending: None,
+            ..Self::new(0.0, 0.0)
         }
     }
 
     /// The same choice, seen from the arc's other end.
     pub fn turned(mut self) -> Self {
-        self.chosen = self.chosen.map(Fold::turned);
+        self.chosen = self.chosen.map(|(boundary, s)| (boundary, 1.0 - s));
         self
     }
 
@@ -199,23 +218,23 @@ impl Reservoir {
     }
 
     /// Offers a crossing.
-    fn meet(&mut self, fold: Fold) {
-        self.settle(fold.s);
-        self.pending = Some(fold);
+    pub fn meet(&mut self, boundary: Boundary, s: f64) {
+        self.settle(s);
+        self.pending = Some((boundary, s));
     }
 
     /// Decides about the crossing offered last, now that the next one is known to be at `s`.
-    fn settle(&mut self, s: f64) {
-        let (Some(fold), Some(choice)) = (self.pending.take(), &mut self.choice) else {
+    pub fn settle(&mut self, s: f64) {
+        let (Some(pending), Some(choice)) = (self.pending.take(), &mut self.choice) else {
             return;
         };
-        if s - fold.s < self.gap {
+        if s - pending.1 < self.gap {
             return;
         }
         self.count += 1;
         let chance = 1.0 / self.count as f64;
         if *choice < chance {
-            self.chosen = Some(fold);
+            self.chosen = Some(pending);
             *choice /= chance;
         } else {
             *choice = (*choice - chance) / (1.0 - chance);
@@ -224,10 +243,10 @@ impl Reservoir {
 }
 
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
-pub const FLAT: f64 = 1e-10;
+const FLAT: f64 = 1e-10;
 
 /// The squared sine of the angle between the planes of two triangles.
-pub fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }

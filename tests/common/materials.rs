@@ -15,6 +15,12 @@ pub trait Paint {
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self;
     /// A diffuse surface with a picture on it: texture coordinates are x and y.
     fn picture(self, id: &str) -> Self;
+    /// The same with a checkerboard.
+    fn checkerboard(self, id: &str) -> Self;
+    /// All pictures without a filter: their texels meet in edges.
+    fn unfiltered(self) -> Self;
+    /// A mesh with a picture, whose second triangle has its own vertices and shows another place of it.
+    fn torn(self, id: &str) -> Self;
     /// An environment map with a small sun, turned.
     fn sunny(self) -> Self;
 }
@@ -108,6 +114,49 @@ impl Paint for Scene {
             nonlinear: true,
             microfacets: alpha.map(|a| microfacets(scene, key, a, Distribution::Beckmann)),
         })
+    }
+
+    fn checkerboard(mut self, id: &str) -> Self {
+        let mesh = self.meshes.iter_mut().find(|m| m.id == id).expect("a mesh");
+        mesh.uvs = mesh.positions.iter().map(|p| p.truncate()).collect();
+        paint(self, id, |scene, key| {
+            scene.textures.push(Texture {
+                key: format!("{key}.brdf_0.reflectance"),
+                texels: vec![[0.8, 0.7, 0.2], [0.1, 0.3, 0.5]],
+                layout: Layout::Checkerboard {
+                    to_uv: glam::Affine2::from_scale_angle_translation(
+                        glam::vec2(1.3, 0.9),
+                        0.4,
+                        glam::vec2(0.1, 0.2),
+                    ),
+                },
+                channels: 3,
+                limits: [0.0, 1.0],
+            });
+            Bsdf::Diffuse {
+                reflectance: scene.textures.len() - 1,
+            }
+        })
+    }
+
+    fn unfiltered(mut self) -> Self {
+        for texture in &mut self.textures {
+            if let Layout::Bitmap { bilinear, .. } = &mut texture.layout {
+                *bilinear = false;
+            }
+        }
+        self
+    }
+
+    fn torn(mut self, id: &str) -> Self {
+        let mesh = self.meshes.iter_mut().find(|m| m.id == id).expect("a mesh");
+        let first = mesh.positions.len() as u32;
+        for v in mesh.triangles[1] {
+            mesh.positions.push(mesh.positions[v as usize]);
+            mesh.uvs.push(mesh.uvs[v as usize] + 0.4);
+        }
+        mesh.triangles[1] = [first, first + 1, first + 2];
+        self
     }
 
     fn sunny(mut self) -> Self {

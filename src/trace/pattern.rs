@@ -1,0 +1,49 @@
+//! What of a mesh's pictures makes edges: who looks for edges has to know where a picture jumps.
+
+use crate::scene::{Layout, Mesh, Scene};
+use glam::{DVec3, Vec2};
+
+/// The pictures on a mesh.
+pub struct Pattern {
+    /// Coordinates that are linear over texture coordinates, as (a, b, c) of a·u + b·v + c: a picture jumps where one is an
+    /// integer. None if all pictures are smooth; those jump at most across seams of the texture coordinates.
+    pub rulings: Vec<DVec3>,
+}
+
+impl Pattern {
+    /// `None` for a mesh without pictures.
+    pub fn of(scene: &Scene, mesh: &Mesh) -> Option<Self> {
+        let mut textures: Vec<usize> = scene.materials[mesh.material].bsdf.textures();
+        textures.extend(mesh.area_light.map(|l| scene.area_lights[l].radiance));
+        textures.sort_unstable();
+        textures.dedup();
+        let layouts = textures.iter().map(|&t| scene.textures[t].layout);
+        let pictures: Vec<Layout> = layouts.filter(|l| *l != Layout::Constant).collect();
+        let rulings = pictures.iter().flat_map(rulings).collect();
+        (!pictures.is_empty() && !mesh.uvs.is_empty()).then_some(Self { rulings })
+    }
+}
+
+fn rulings(layout: &Layout) -> Vec<DVec3> {
+    let per_unit = match *layout {
+        Layout::Checkerboard { .. } => Vec2::splat(2.0),
+        Layout::Bitmap {
+            width,
+            height,
+            bilinear: false,
+            ..
+        } => Vec2::new(width as f32, height as f32),
+        _ => return Vec::new(),
+    };
+    let Some(to_uv) = layout.to_uv() else {
+        return Vec::new();
+    };
+    let m = to_uv.matrix2;
+    let row = |x: f32, y: f32, z: f32, scale: f32| {
+        DVec3::new(f64::from(x), f64::from(y), f64::from(z)) * f64::from(scale)
+    };
+    vec![
+        row(m.x_axis.x, m.y_axis.x, to_uv.translation.x, per_unit.x),
+        row(m.x_axis.y, m.y_axis.y, to_uv.translation.y, per_unit.y),
+    ]
+}
