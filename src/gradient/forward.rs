@@ -1,6 +1,6 @@
 //! The tangent sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
 
-use super::motion::{Motion, MovingCamera, dual_vector};
+use super::motion::{Motion, MovingCamera, dual_vector, tangent_of};
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::interface::{
@@ -32,6 +32,16 @@ pub(super) struct Chain {
     pub throughput: V3<D>,
     /// Whether any lane's ray or throughput moves.
     pub moves: bool,
+}
+
+impl Chain {
+    /// Keeps the tangents, and takes the values from the path that was stored: its rays start a little off the surfaces, which
+    /// matters where the next one is near.
+    fn follow(&mut self, vertices: &Vertices) {
+        self.origin = dual_vector(vertices.origin, tangent_of(self.origin));
+        self.direction = dual_vector(vertices.direction, tangent_of(self.direction));
+        self.throughput = dual_vector(vertices.throughput, tangent_of(self.throughput));
+    }
 }
 
 /// A vertex with everything about it moving.
@@ -89,6 +99,7 @@ impl<'a> ForwardSweep<'a> {
         chain: &mut Chain,
         previous: Option<&MovingVertex>,
     ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
+        chain.follow(vertices);
         let mut sum = V3::splat(0.0);
         if vertices.escaped != 0 {
             sum = masked(vertices.escaped, self.escape(vertices, chain, previous));

@@ -1,7 +1,7 @@
 //! Area lights as patches: parallelograms where two triangles make one, else single triangles.
 //!
 //! A patch is parametrised by the unit square: y(s, r) = q + s·e1 + r·e2. A parallelogram covers it, a single
-//! triangle its half s + r ≤ 1. Light samples and shadow cells live in this square (`warp::light_cells`), and a
+//! triangle its half s + r ≤ 1. Light samples and shadow cells live in this square (`paths::light_cells`), and a
 //! point keeps its (s, r) when the light moves.
 
 use crate::lanes::{LANES, Lane};

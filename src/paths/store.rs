@@ -8,7 +8,7 @@ use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use crate::warp::boundary::Boundary;
 use glam::DVec3;
 
-/// One path vertex in each lane: the ray that arrived and what was sampled where it ended. About 100 bytes a path.
+/// One path vertex in each lane: the ray that arrived and what was sampled where it ended. Some 150 bytes a path.
 ///
 /// Everything here is a value at θ₀. The sweeps re-solve positions and normals from the rays and triangles with
 /// tangents or cotangents attached.
