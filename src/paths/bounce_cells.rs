@@ -267,7 +267,7 @@ impl Finder<'_> {
             silhouettes.extend(silhouettes_here.map(|f| f.psi));
         }
         if all_found {
-            let weights = line.run_weights(&silhouettes);
+            let weights = self.run_weights(line, &point, &points, &silhouettes);
             for found in &mut found {
                 let run = silhouettes.partition_point(|&p| p < found.psi);
                 found.weight *= if found.is_silhouette {
@@ -280,8 +280,52 @@ impl Finder<'_> {
         found
     }
 
-    /// Adds what lies on an arc between two directions in which these triangles are seen. Whether that explains them, with
-    /// no need of a third.
+    /// The weights of the runs between silhouettes ([`Line::run_weights`]), but for those that would have been found without a
+    /// point in them: because what is seen on either side could not be explained otherwise, or because they hide the
+    /// silhouette that would seem to.
+    fn run_weights(
+        &self,
+        line: &Line,
+        point: &SurfacePoint,
+        points: &[(DVec3, u32)],
+        silhouettes: &[f64],
+    ) -> Vec<f64> {
+        let mut weights = line.run_weights(silhouettes);
+        for (run, ends) in silhouettes.windows(2).enumerate() {
+            let weight = &mut weights[run + 1];
+            if *weight <= 1.0 {
+                continue;
+            }
+            let [from, to] = [ends[0], ends[1]];
+            let first = line.psi.partition_point(|&p| p < from);
+            let after = line.psi.partition_point(|&p| p <= to);
+            if first == 0 || first >= after || after == points.len() {
+                *weight = 1.0;
+                continue;
+            }
+            let [(a, seen_a), (b, seen_b)] = [points[first - 1], points[after]];
+            let arc = Arc {
+                origin: point.leave(a + b).as_dvec3(),
+                a,
+                b,
+            };
+            let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
+            let seen = [seen_a, seen_b];
+            let is_found_anyway = match between(geometry, adjacency, &arc, seen, 0.0, PROBE) {
+                Err(_) => true,
+                Ok([Some(crossing), _]) => {
+                    (from..=to).contains(&line.psi_of(arc.direction(crossing.s)))
+                }
+                Ok([None, _]) => false,
+            };
+            if is_found_anyway {
+                *weight = 1.0;
+            }
+        }
+        weights
+    }
+
+    /// Adds what lies on an arc between two directions in which these triangles are seen. Whether all of it was found.
     fn between(
         &mut self,
         line: &Line,
@@ -322,9 +366,8 @@ impl Finder<'_> {
                 });
             }
         }
-        let is_explained = unresolved == 0 && probes.probe == 0;
         *self.counts += probes;
-        is_explained
+        unresolved == 0
     }
 
     /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell. Returns what else
