@@ -2,6 +2,7 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
+use crate::trace::Backend;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -136,8 +137,9 @@ pub struct TraceArguments {
     /// Size of the image in pixels [default: the scene's film]
     #[arg(long, value_name = "WxH", value_parser = values::resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// What traces the rays
-    #[arg(long, value_enum, default_value_t = Backend::Embree)]
+    /// What traces the rays: embree, obvhs or obvhs-bvh2; with a preset of its build after a colon, as
+    /// obvhs:slow
+    #[arg(long, value_name = "BACKEND", default_value_t)]
     pub backend: Backend,
     /// Directory for the files [default: out/COMMAND-SCENE]
     #[arg(short, long, value_name = "DIR")]
@@ -229,14 +231,6 @@ pub enum LogFormat {
     Text,
     /// One JSON object a line
     Json,
-}
-
-/// What traces rays. Hidden ones are known but not built yet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Backend {
-    Embree,
-    #[value(hide = true)]
-    Obvhs,
 }
 
 /// The estimators. Hidden ones are known but not built yet.

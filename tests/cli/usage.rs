@@ -42,11 +42,15 @@ fn wrong_usage_is_told() {
             ("render s.xml --resolution 640x480x3", 2, "640x480"),
             ("render s.xml --resolution 999999x1", 2, "65536"),
             (
-                "render s.xml --backend obvhs",
+                "render s.xml --backend optix",
                 2,
-                "--backend obvhs is not built yet",
+                "embree, obvhs or obvhs-bvh2",
             ),
-            ("render s.xml --backend optix", 2, "embree"),
+            (
+                "render s.xml --backend obvhs:high",
+                2,
+                "fastest, very-fast, fast, medium, slow, very-slow",
+            ),
             ("render s.xml --log-format xml", 2, "json"),
             ("render s.xml -D side", 2, "-D side=value"),
             ("render s.xml -D =8", 2, "-D name=value"),

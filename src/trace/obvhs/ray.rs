@@ -1,0 +1,77 @@
+//! One ray, readied for boxes and triangles.
+
+use crate::trace::Rays;
+
+/// Direction components smaller than this divide as if they were this large, so that no plane is at infinity times
+/// zero.
+const LEAST_COMPONENT: f32 = 1e-18;
+
+/// A ray with what every box and every triangle asks of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+    /// 1 / direction, finite.
+    pub inverse: [f32; 3],
+    /// Hits nearer than this, or at it, do not count.
+    pub tnear: f32,
+    /// The axis along which the ray is longest, and the two others.
+    pub axes: [usize; 3],
+    /// Steps along the two other axes, and of the distance, for each step along the first.
+    pub shear: [f32; 3],
+}
+
+impl Ray {
+    /// Lane `i` of a packet; `None` if it can meet nothing: it is not finite, empty or without direction.
+    pub fn of<const N: usize>(rays: &Rays<N>, i: usize) -> Option<(Self, f32)> {
+        let origin = [rays.org_x[i], rays.org_y[i], rays.org_z[i]];
+        let direction = [rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]];
+        let (tnear, tfar) = (rays.tnear[i], rays.tfar[i]);
+        let finite = origin.iter().chain(&direction).all(|x| x.is_finite()) && tnear.is_finite();
+        let sound = finite && tfar >= tnear && direction != [0.0; 3];
+        sound.then(|| (Self::new(origin, direction, tnear), tfar))
+    }
+
+    fn new(origin: [f32; 3], direction: [f32; 3], tnear: f32) -> Self {
+        let axes = axes_from(longest(direction));
+        let along = direction[axes[0]];
+        Self {
+            origin,
+            direction,
+            inverse: direction.map(inverse),
+            tnear,
+            axes,
+            shear: [
+                direction[axes[1]] / along,
+                direction[axes[2]] / along,
+                1.0 / along,
+            ],
+        }
+    }
+}
+
+/// The axis of the largest component.
+pub fn longest(direction: [f32; 3]) -> usize {
+    let [x, y, z] = direction.map(f32::abs);
+    if x >= y && x >= z {
+        0
+    } else if y >= z {
+        1
+    } else {
+        2
+    }
+}
+
+/// An axis and the two after it.
+pub fn axes_from(first: usize) -> [usize; 3] {
+    [first, (first + 1) % 3, (first + 2) % 3]
+}
+
+/// 1 / x, finite.
+pub fn inverse(x: f32) -> f32 {
+    1.0 / if x.abs() < LEAST_COMPONENT {
+        LEAST_COMPONENT.copysign(x)
+    } else {
+        x
+    }
+}
