@@ -27,8 +27,6 @@ pub struct AccelOptions {
     pub robust: bool,
     /// Threads that build; 1 starts none, 0 leaves the number to the library.
     pub threads: usize,
-    /// Holds Embree to an older instruction set, by its own names such as `sse4.2`; for comparisons.
-    pub isa: Option<&'static str>,
     /// Widest packet handed to Embree, 0 for the widest native one: lets tests go each way on any CPU.
     pub(super) width: u32,
     /// Bytes Embree may take, 0 for no limit: lets tests run out of memory.
@@ -41,7 +39,6 @@ impl Default for AccelOptions {
             backend: Backend::default(),
             robust: true,
             threads: 1,
-            isa: None,
             width: 0,
             memory_limit: 0,
         }
@@ -117,8 +114,8 @@ impl Accel {
         check(meshes)?;
         let scene = match options.backend {
             #[cfg(feature = "embree")]
-            Backend::Embree(quality) => {
-                Library::Embree(EmbreeScene::build(meshes, options, quality)?)
+            Backend::Embree(isa, quality) => {
+                Library::Embree(EmbreeScene::build(meshes, options, isa, quality)?)
             }
             #[cfg(feature = "obvhs")]
             Backend::Obvhs(tree, preset) => {

@@ -8,8 +8,18 @@ use std::str::FromStr;
 /// Every backend has a name in every build; [`Backend::require`] says which are compiled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Backend {
-    Embree(EmbreeQuality),
+    Embree(EmbreeIsa, EmbreeQuality),
     Obvhs(ObvhsTree, ObvhsPreset),
+}
+
+/// Which instructions Embree may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum EmbreeIsa {
+    /// The best that this CPU and library have.
+    #[default]
+    Best,
+    /// Four lanes, as obvhs's own traversal has: for comparisons.
+    Sse42,
 }
 
 /// Embree's build qualities.
@@ -70,7 +80,7 @@ impl Default for Backend {
     /// Embree, or obvhs in a build without it.
     fn default() -> Self {
         if cfg!(feature = "embree") {
-            Self::Embree(EmbreeQuality::default())
+            Self::Embree(EmbreeIsa::default(), EmbreeQuality::default())
         } else {
             Self::Obvhs(ObvhsTree::default(), ObvhsPreset::default())
         }
@@ -78,10 +88,11 @@ impl Default for Backend {
 }
 
 impl Backend {
-    /// The library and its tree: `embree`, `obvhs` or `obvhs-bvh2`.
+    /// The library and what of it: `embree`, `embree-sse4.2`, `obvhs` or `obvhs-bvh2`.
     pub fn library(self) -> &'static str {
         match self {
-            Self::Embree(_) => "embree",
+            Self::Embree(EmbreeIsa::Best, _) => "embree",
+            Self::Embree(EmbreeIsa::Sse42, _) => "embree-sse4.2",
             Self::Obvhs(ObvhsTree::Cwbvh, _) => "obvhs",
             Self::Obvhs(ObvhsTree::Bvh2, _) => "obvhs-bvh2",
         }
@@ -90,7 +101,7 @@ impl Backend {
     /// How carefully it builds.
     pub fn preset(self) -> &'static str {
         let name = match self {
-            Self::Embree(quality) => EmbreeQuality::ALL
+            Self::Embree(_, quality) => EmbreeQuality::ALL
                 .iter()
                 .find(|q| q.0 == quality)
                 .map(|q| q.1),
@@ -102,15 +113,17 @@ impl Backend {
     /// This library and tree, at each of its presets.
     pub fn presets(self) -> Vec<Self> {
         match self {
-            Self::Embree(_) => EmbreeQuality::ALL.map(|q| Self::Embree(q.0)).into(),
+            Self::Embree(isa, _) => EmbreeQuality::ALL.map(|q| Self::Embree(isa, q.0)).into(),
             Self::Obvhs(tree, _) => ObvhsPreset::ALL.map(|p| Self::Obvhs(tree, p.0)).into(),
         }
     }
 
-    /// Every library and tree of this build, as carefully built as usual.
+    /// Everything that this build and machine have, as carefully built as usual.
     pub fn built_in() -> Vec<Self> {
+        let sse = cfg!(target_arch = "x86_64").then_some("embree-sse4.2");
         ["embree", "obvhs", "obvhs-bvh2"]
-            .iter()
+            .into_iter()
+            .chain(sse)
             .filter_map(|name| name.parse::<Self>().ok())
             .filter(|backend| backend.require().is_ok())
             .collect()
@@ -119,7 +132,7 @@ impl Backend {
     /// Says in a sentence that a backend was left out of this build, if it was.
     pub fn require(self) -> Result<(), &'static str> {
         match self {
-            Self::Embree(_) if !cfg!(feature = "embree") => Err(
+            Self::Embree(..) if !cfg!(feature = "embree") => Err(
                 "this warpath was built without Embree: use --backend obvhs, or build it with --features embree",
             ),
             Self::Obvhs(..) if !cfg!(feature = "obvhs") => Err(
@@ -134,7 +147,7 @@ impl fmt::Display for Backend {
     /// As it is typed: `embree`, `obvhs:slow`; the usual preset is not named.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Embree(EmbreeQuality::Medium) | Self::Obvhs(_, ObvhsPreset::Medium) => {
+            Self::Embree(_, EmbreeQuality::Medium) | Self::Obvhs(_, ObvhsPreset::Medium) => {
                 f.write_str(self.library())
             }
             _ => write!(f, "{}:{}", self.library(), self.preset()),
@@ -148,7 +161,8 @@ impl FromStr for Backend {
     fn from_str(text: &str) -> Result<Self, String> {
         let (library, preset) = text.split_once(':').unwrap_or((text, "medium"));
         let usual = match library {
-            "embree" => Self::Embree(EmbreeQuality::default()),
+            "embree" => Self::Embree(EmbreeIsa::Best, EmbreeQuality::default()),
+            "embree-sse4.2" => Self::Embree(EmbreeIsa::Sse42, EmbreeQuality::default()),
             "obvhs" => Self::Obvhs(ObvhsTree::Cwbvh, ObvhsPreset::default()),
             "obvhs-bvh2" => Self::Obvhs(ObvhsTree::Bvh2, ObvhsPreset::default()),
             _ => return Err("write embree, obvhs or obvhs-bvh2".into()),
@@ -171,7 +185,7 @@ mod tests {
 
     #[test]
     fn backends_are_read_as_they_are_written() {
-        for library in ["embree", "obvhs", "obvhs-bvh2"] {
+        for library in ["embree", "embree-sse4.2", "obvhs", "obvhs-bvh2"] {
             let usual: Backend = library.parse().unwrap();
             assert_eq!(
                 (usual.to_string().as_str(), usual.preset()),
@@ -188,6 +202,7 @@ mod tests {
             "obvhs:",
             "obvhs:high",
             "embree:fastest",
+            "embree-avx",
             "embree:low:low",
         ] {
             assert!(wrong.parse::<Backend>().is_err(), "{wrong}");

@@ -1,6 +1,8 @@
 //! The safe side of `ffi/embree_shim.h`.
 
-use super::{AccelOptions, Coherence, EmbreeQuality, Hits, MeshView, Rays, TraceError, ffi};
+use super::{
+    AccelOptions, Coherence, EmbreeIsa, EmbreeQuality, Hits, MeshView, Rays, TraceError, ffi,
+};
 use std::{ffi::CStr, ptr::NonNull};
 
 /// A scene of Embree's, which keeps copies of the meshes.
@@ -25,6 +27,7 @@ impl EmbreeScene {
     pub fn build(
         meshes: &[MeshView],
         options: AccelOptions,
+        isa: EmbreeIsa,
         quality: EmbreeQuality,
     ) -> Result<Self, TraceError> {
         let raw_meshes = raw_meshes(meshes);
@@ -37,7 +40,7 @@ impl EmbreeScene {
             },
             threads: options.threads.try_into().unwrap_or(0),
             width: options.width,
-            isa: isa_name(options.isa),
+            isa: isa_name(isa),
             memory_limit: options.memory_limit,
         };
         let mesh_count = raw_meshes
@@ -158,11 +161,15 @@ fn raw_meshes(meshes: &[MeshView]) -> Vec<ffi::WarpathMesh> {
     meshes.iter().map(raw).collect()
 }
 
-/// The name of an instruction set, ended by a zero; longer ones than Embree's are cut.
-fn isa_name(isa: Option<&str>) -> [std::ffi::c_char; 16] {
+/// Embree's name of an instruction set, ended by a zero; empty for the best.
+fn isa_name(isa: EmbreeIsa) -> [std::ffi::c_char; 16] {
     let mut name = [0; 16];
-    for (to, &from) in name[..15].iter_mut().zip(isa.unwrap_or("").as_bytes()) {
-        *to = from as std::ffi::c_char;
+    let text: &[u8] = match isa {
+        EmbreeIsa::Best => b"",
+        EmbreeIsa::Sse42 => b"sse4.2",
+    };
+    for (to, from) in name.iter_mut().zip(text) {
+        *to = *from as std::ffi::c_char;
     }
     name
 }

@@ -17,7 +17,7 @@ mod obvhs;
 mod packet;
 
 pub use accel::{Accel, AccelOptions, MeshView, TraceError};
-pub use backend::{Backend, EmbreeQuality, ObvhsPreset, ObvhsTree};
+pub use backend::{Backend, EmbreeIsa, EmbreeQuality, ObvhsPreset, ObvhsTree};
 pub use packet::{Coherence, Hits, MISS, Rays, all_lanes};
 
 #[cfg(test)]

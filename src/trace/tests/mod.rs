@@ -26,7 +26,7 @@ fn every_way() -> Vec<AccelOptions> {
     for robust in [false, true] {
         for backend in Backend::built_in() {
             let options = AccelOptions::new(robust, 1).on(backend);
-            if let Backend::Embree(_) = backend {
+            if let Backend::Embree(..) = backend {
                 ways.extend([0, 1, 4, 8, 16].map(|width| AccelOptions { width, ..options }));
             } else {
                 ways.extend(backend.presets().into_iter().map(|b| options.on(b)));
