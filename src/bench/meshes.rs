@@ -10,7 +10,7 @@ pub enum Class {
     Smooth,
     /// Small leaves, two triangles each, everywhere in the ball.
     Leafy,
-    /// Needles as long as the ball's radius, in all directions: boxes fit them badly.
+    /// Needles fifty times as long as wide, in all directions: boxes fit them badly.
     Thin,
 }
 
@@ -105,19 +105,23 @@ fn leaves(count: usize) -> Shape {
 
 fn needles(count: usize) -> Shape {
     let mut random = Random(2);
-    let width = 2.0 * TOTAL_AREA / count as f32;
+    const LENGTH_BY_WIDTH: f32 = 50.0;
+    let length = (2.0 * LENGTH_BY_WIDTH * TOTAL_AREA / count as f32)
+        .sqrt()
+        .min(0.6);
+    let width = length / LENGTH_BY_WIDTH;
     let mut shape = (Vec::new(), Vec::new());
     for i in 0..count as u32 {
-        let middle = 0.5 * random.in_ball();
+        let middle = (1.0 - 0.5 * length) * random.in_ball();
         let ahead = random.in_ball().normalize_or(Vec3::X);
         let side = random
             .in_ball()
             .reject_from(ahead)
             .normalize_or(ahead.any_orthonormal_vector());
         shape.0.extend([
-            middle - 0.5 * ahead - 0.5 * width * side,
-            middle - 0.5 * ahead + 0.5 * width * side,
-            middle + 0.5 * ahead,
+            middle - 0.5 * length * ahead - 0.5 * width * side,
+            middle - 0.5 * length * ahead + 0.5 * width * side,
+            middle + 0.5 * length * ahead,
         ]);
         shape.1.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }

@@ -5,7 +5,7 @@ pub mod chart;
 mod machine;
 mod measure;
 pub mod meshes;
-mod rays;
+pub mod rays;
 mod run;
 pub mod table;
 

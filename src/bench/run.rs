@@ -12,8 +12,8 @@ use rayon::prelude::*;
 const PACKETS_AT_ONCE: usize = 64;
 
 /// Film and samples of the gradients.
-const GRADIENT_SIZE: [u32; 2] = [128, 128];
-const GRADIENT_SPP: u32 = 16;
+const GRADIENT_SIZE: [u32; 2] = [96, 96];
+const GRADIENT_SPP: u32 = 4;
 
 /// How to measure.
 #[derive(Clone, Copy, Debug)]

@@ -15,9 +15,9 @@ pub struct Ray {
     pub inverse: [f32; 3],
     /// Hits nearer than this, or at it, do not count.
     pub tnear: f32,
-    /// The axis along which the ray is longest, and the two others.
-    pub axes: [usize; 3],
-    /// Steps along the two other axes, and of the distance, for each step along the first.
+    /// The axis along which the ray is longest.
+    pub axis: usize,
+    /// Steps along the two axes after it, and of the distance, for each step along it.
     pub shear: [f32; 3],
 }
 
@@ -33,19 +33,16 @@ impl Ray {
     }
 
     fn new(origin: [f32; 3], direction: [f32; 3], tnear: f32) -> Self {
-        let axes = axes_from(longest(direction));
-        let along = direction[axes[0]];
+        let axis = longest(direction);
+        let [z, x, y] = axes_from(axis);
+        let along = direction[z];
         Self {
             origin,
             direction,
             inverse: direction.map(inverse),
             tnear,
-            axes,
-            shear: [
-                direction[axes[1]] / along,
-                direction[axes[2]] / along,
-                1.0 / along,
-            ],
+            axis,
+            shear: [direction[x] / along, direction[y] / along, 1.0 / along],
         }
     }
 }

@@ -3,8 +3,8 @@
 use glam::UVec2;
 use obvhs::faststack::FastStack;
 
-/// Entries kept without allocating: more than any tree over real scenes is deep.
-const INLINE: usize = 64;
+/// Entries kept without allocating: as many as compressed trees over real scenes need.
+const INLINE: usize = 24;
 
 /// A stack that no tree overflows: obvhs's own ends the program where a degenerate scene's tree is too deep.
 pub struct Stack {
