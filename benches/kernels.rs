@@ -16,9 +16,16 @@ fn all<F: Real>(criterion: &mut Criterion, lanes: usize) {
     let mut group = criterion.benchmark_group(format!("{lanes} at a time"));
     group.throughput(Throughput::Elements(lanes as u64));
     let (o, d) = (vector::<F>(0.1, 0.2, -3.0), vector::<F>(0.05, -0.1, 1.0));
-    let [a, b, c] = [(-1.0, -1.0, 0.2), (1.5, -0.8, 0.1), (0.1, 1.2, -0.3)].map(|(x, y, z)| vector::<F>(x, y, z));
+    let [a, b, c] = [(-1.0, -1.0, 0.2), (1.5, -0.8, 0.1), (0.1, 1.2, -0.3)]
+        .map(|(x, y, z)| vector::<F>(x, y, z));
     let one = F::splat(1.0);
-    let one_each = || black_box(V3 { x: one, y: one, z: one });
+    let one_each = || {
+        black_box(V3 {
+            x: one,
+            y: one,
+            z: one,
+        })
+    };
     group.bench_function("triangle_hit", |bench| {
         bench.iter(|| kernels::triangle::triangle_hit(black_box(o), d, a, b, c))
     });

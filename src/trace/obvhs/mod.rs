@@ -256,3 +256,16 @@ fn gather(meshes: &[MeshView]) -> Result<Vec<Triangle>, TraceError> {
     all.retain(is_near);
     Ok(all)
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_version_is_that_of_the_library() {
+        let lock = include_str!("../../../Cargo.lock");
+        let entry = lock
+            .split("[[package]]")
+            .find(|p| p.contains("name = \"obvhs\""));
+        let version = format!("version = \"{}\"", super::VERSION);
+        assert!(entry.is_some_and(|p| p.contains(&version)));
+    }
+}
