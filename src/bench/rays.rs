@@ -7,10 +7,9 @@ use crate::paths::camera::Camera;
 use crate::trace::{Accel, Coherence, Hits, MISS, Rays, all_lanes};
 use glam::Vec3;
 
-/// Rays of each kind: 512 × 256.
-const COLUMN_BITS: u32 = 9;
-const ROW_BITS: u32 = 8;
-pub const RAYS: usize = 1 << (COLUMN_BITS + ROW_BITS);
+/// Rays of each kind: 256 × 256.
+const SIDE_BITS: u32 = 8;
+pub const RAYS: usize = 1 << (2 * SIDE_BITS);
 
 /// Rays of one kind.
 pub struct Workload {
@@ -126,24 +125,15 @@ fn primary(case: &Case) -> Vec<Ray> {
     let sensor = &case.scene.sensors[0];
     let camera = Camera::new(sensor);
     let [width, height] = sensor.film.crop_size.map(|s| s as f32);
-    let every_second = |mut bits: usize, count: u32| {
-        (0..count).fold(0, |all, i| {
-            let bit = bits & 1;
-            bits >>= 2;
-            all | bit << i
-        })
-    };
+    // Morton order: x in the even bits, y in the odd ones.
+    let every_second =
+        |bits: usize| (0..SIDE_BITS).fold(0, |all, i| all | (bits >> (2 * i) & 1) << i);
+    let side = (1 << SIDE_BITS) as f32;
     (0..RAYS)
         .map(|i| {
-            // Morton order: x in the even bits and the top one, y in the odd ones.
-            let top = i >> (2 * ROW_BITS) << ROW_BITS;
-            let (x, y) = (
-                every_second(i, ROW_BITS) | top,
-                every_second(i >> 1, ROW_BITS),
-            );
-            let u = (x as f32 + 0.5) / (1 << COLUMN_BITS) as f32 * width;
-            let v = (y as f32 + 0.5) / (1 << ROW_BITS) as f32 * height;
-            let d = camera.direction(u, v);
+            let (x, y) = (every_second(i), every_second(i >> 1));
+            let (u, v) = ((x as f32 + 0.5) / side, (y as f32 + 0.5) / side);
+            let d = camera.direction(u * width, v * height);
             Ray::from(camera.origin, Vec3::new(d.x, d.y, d.z))
         })
         .collect()
