@@ -34,7 +34,8 @@ struct Seen {
     normal: Vec3,
 }
 
-/// All kinds, the same whatever `accel` is; none if the camera sees nothing.
+/// All kinds, the same whatever `accel` is; none if the camera sees nothing. One is asked twice, the second time without
+/// telling that its rays go together: what packets are worth.
 pub fn workloads(case: &Case, accel: &Accel) -> Option<Vec<Workload>> {
     let mut random = Random(3);
     let primary = primary(case);
@@ -67,6 +68,7 @@ pub fn workloads(case: &Case, accel: &Accel) -> Option<Vec<Workload>> {
     let (coherent, incoherent) = (Coherence::Coherent, Coherence::Incoherent);
     Some(vec![
         Workload::new("primary", coherent, false, &primary),
+        Workload::new("primary, not told", incoherent, false, &primary),
         Workload::new("bundle 0.001 rad", coherent, false, &bundles[0]),
         Workload::new("bundle 0.01 rad", coherent, false, &bundles[1]),
         Workload::new("bundle 0.1 rad", incoherent, false, &bundles[2]),

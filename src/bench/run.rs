@@ -112,7 +112,7 @@ pub fn measure(
 
 /// How many numbers [`measure`] will hand out, if every gradient can be taken.
 pub fn steps(case: &Case, plan: Plan) -> u64 {
-    const RAYS_OF_A_KIND: usize = 6;
+    const KINDS_OF_RAYS: usize = 7;
     let counts = if plan.threads > 1 { 2 } else { 1 };
     let built_in = Backend::built_in();
     let presets: usize = built_in
@@ -120,7 +120,7 @@ pub fn steps(case: &Case, plan: Plan) -> u64 {
         .filter(|b| is_first_of_library(**b))
         .map(|b| b.presets().len() - 1)
         .sum();
-    let contestants = Contestant::all().len() * (counts + 1 + RAYS_OF_A_KIND * counts);
+    let contestants = Contestant::all().len() * (counts + 1 + KINDS_OF_RAYS * counts);
     let gradients = if case.direction().is_some() {
         built_in.len() * counts
     } else {
