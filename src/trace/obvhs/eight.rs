@@ -5,7 +5,7 @@
 
 use super::boxes::Bundle;
 use super::lanes_of;
-use super::ray::{Ray, longest};
+use super::ray::{Ray, is_sound, longest};
 use super::single::{NOWHERE, Nearest, Walk, precedes};
 use super::triangle::{EightRays, Meeting, Triangle};
 use crate::lanes::F32x8;
@@ -29,7 +29,7 @@ pub struct Eight<'a, const N: usize> {
 impl<'a, const N: usize> Eight<'a, N> {
     /// `None` if fewer than two of the lanes, a bit each, are asked, or they do not go the same way.
     pub fn new(rays: &'a Rays<N>, at: usize, asked: u32) -> Option<Self> {
-        let sound = |lane: &usize| asked >> lane & 1 == 1 && Ray::of(rays, at + lane).is_some();
+        let sound = |lane: &usize| asked >> lane & 1 == 1 && is_sound(rays, at + lane);
         let lanes = (0..8).filter(sound).fold(0, |all, lane| all | 1 << lane);
         if u32::count_ones(lanes) < 2 {
             return None;

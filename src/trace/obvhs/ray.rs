@@ -22,14 +22,12 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Lane `i` of a packet; `None` if it can meet nothing: it is not finite, empty or without direction.
+    /// Lane `i` of a packet and how far it reaches; `None` if it can meet nothing.
+    #[inline(always)]
     pub fn of<const N: usize>(rays: &Rays<N>, i: usize) -> Option<(Self, f32)> {
         let origin = [rays.org_x[i], rays.org_y[i], rays.org_z[i]];
         let direction = [rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]];
-        let (tnear, tfar) = (rays.tnear[i], rays.tfar[i]);
-        let finite = origin.iter().chain(&direction).all(|x| x.is_finite()) && tnear.is_finite();
-        let sound = finite && tfar >= tnear && direction != [0.0; 3];
-        sound.then(|| (Self::new(origin, direction, tnear), tfar))
+        is_sound(rays, i).then(|| (Self::new(origin, direction, rays.tnear[i]), rays.tfar[i]))
     }
 
     fn new(origin: [f32; 3], direction: [f32; 3], tnear: f32) -> Self {
@@ -45,6 +43,15 @@ impl Ray {
             shear: [direction[x] / along, direction[y] / along, 1.0 / along],
         }
     }
+}
+
+/// Whether a lane can meet anything: it is finite, not empty, and has a direction.
+#[inline(always)]
+pub fn is_sound<const N: usize>(rays: &Rays<N>, i: usize) -> bool {
+    let direction = [rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]];
+    let rest = [rays.org_x[i], rays.org_y[i], rays.org_z[i], rays.tnear[i]];
+    let finite = rest.iter().chain(&direction).all(|x| x.is_finite());
+    finite && rays.tfar[i] >= rays.tnear[i] && direction != [0.0; 3]
 }
 
 /// The axis of the largest component.
