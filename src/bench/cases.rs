@@ -2,7 +2,7 @@
 
 use super::meshes::{Class, generate};
 use crate::scene::parameters::{self, Parameter};
-use crate::scene::source::{Disk, FileSource};
+use crate::scene::source::{Disk, FileSource, read_file};
 use crate::scene::{Mesh, Scene, SceneError, load_from};
 use crate::trace::MeshView;
 use glam::Vec3;
@@ -43,6 +43,8 @@ impl Case {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let scene = match extension.as_deref() {
             Some(format @ ("ply" | "obj")) => {
+                // A file that is not there is no fault of the surroundings, which would be named.
+                read_file(&Disk, path)?;
                 let defines = [
                     ("format".to_string(), format.to_string()),
                     (
