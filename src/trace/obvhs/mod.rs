@@ -208,7 +208,8 @@ impl ObvhsScene {
 
     /// Rays that go through the tree together.
     pub fn native_width(&self) -> usize {
-        if self.packets(8).is_some() { 8 } else { 1 }
+        let together = matches!(self.tree, Tree::Wide(_)) && self.shipped.is_none();
+        if together { 8 } else { 1 }
     }
 }
 
