@@ -6,13 +6,14 @@ export PATH := $(PATH):$(HOME)/.cargo/bin
 CARGO_RUN = cargo run --release --locked --quiet --
 DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
-.PHONY: help deps demo test test-long bench figures test-debian13
+.PHONY: help deps demo test test-long bench bench-backends figures test-debian13
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
 	@echo "make test           the tests"
 	@echo "make test-long      the tests, and those that take long"
 	@echo "make bench          speed, on this machine"
+	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (hours; QUICK=1: a minute, to try it)"
 	@echo "make test-debian13  the tests against Debian 13's Embree 4, in a chroot"
 	@echo "make deps           only install what the others need"
@@ -36,6 +37,9 @@ test-long: deps
 
 bench: deps
 	scripts/benchmark
+
+bench-backends: deps
+	$(CARGO_RUN) bench -o out/bench
 
 figures: deps
 	scripts/figures $(if $(QUICK),--quick)

@@ -46,9 +46,9 @@ fn main() {
     let accels = [false, true].map(|robust| {
         Accel::build(&views(&meshes), AccelOptions::new(robust, 1)).expect("Embree builds the room")
     });
-    let version = accels[0].embree_version();
+    let version = accels[0].library_version();
     let width = accels[0].native_width();
-    println!("Embree {version:?}, native width {width}, {PASSES} passes, Mrays/s on one thread");
+    println!("Embree {version}, native width {width}, {PASSES} passes, Mrays/s on one thread");
     println!(
         "digit: packet width; c: coherent flag, i: incoherent; R: robust; %: time over a bare C loop\n"
     );
@@ -181,7 +181,7 @@ fn intersect<const N: usize>(accel: &Accel, rays: &[Ray], coherence: Coherence) 
             found += hits.mesh.iter().filter(|m| **m != MISS).count() as u64;
         }
         best = best.min(start.elapsed().as_secs_f64());
-        let alone = floor(accel, &packets, coherence);
+        let alone = floor(accel, &packets, coherence).expect("Embree traces");
         bare = bare.min(alone.seconds);
         assert_eq!(found, alone.hits);
     }

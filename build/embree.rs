@@ -3,7 +3,8 @@
 use crate::shim::{self, preprocess, rerun_if_replaced, stop};
 use std::env;
 
-const NEEDS: &str = "install what is missing with: sudo apt-get install libembree-dev libclang-dev";
+const NEEDS: &str = "install what is missing with: sudo apt-get install libembree-dev libclang-dev; or do \
+                     without Embree: cargo build --release --no-default-features --features obvhs";
 
 /// Compiles and links `ffi/`; ends the build with one sentence where something is missing.
 pub fn build() {

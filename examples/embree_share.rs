@@ -13,7 +13,7 @@ use warpath::methods::{self, Method, Progress, Settings};
 use warpath::paths::camera::Camera;
 use warpath::scene::{self, Scene, parameters};
 use warpath::trace::geometry::{Geometry, NO_TRIANGLE};
-use warpath::trace::{Accel, AccelOptions, Coherence, Hits, MISS, MeshView, Rays};
+use warpath::trace::{Accel, AccelOptions, Backend, Coherence, Hits, MISS, MeshView, Rays};
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -68,6 +68,7 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         sensor: 0,
         resolution: None,
         method: Method::Reparam,
+        backend: Backend::default(),
         standard_error: true,
     };
     let statistics =

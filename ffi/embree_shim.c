@@ -16,7 +16,7 @@ struct WarpathAccel {
     unsigned width; /* widest packet handed to Embree */
     unsigned native_width;
     int refitting; /* the scene is a two-level one made for refits */
-    long long memory, memory_limit;
+    long long memory, memory_limit; /* bytes; a limit of 0 is none */
     WarpathError error; /* the first one since the last call began */
 };
 
@@ -35,7 +35,7 @@ static bool on_memory(void *user, ssize_t bytes, bool post)
     WarpathAccel *accel = user;
     long long used = __atomic_add_fetch(&accel->memory, (long long)bytes, __ATOMIC_RELAXED);
     (void)post;
-    return bytes <= 0 || used <= accel->memory_limit;
+    return bytes <= 0 || !accel->memory_limit || used <= accel->memory_limit;
 }
 
 static unsigned native_width(RTCDevice device)
@@ -74,7 +74,9 @@ static void attach(WarpathAccel *accel, const WarpathMesh *mesh, unsigned id)
 WarpathAccel *warpath_accel_new(const WarpathMesh *meshes, unsigned mesh_count, const WarpathOptions *options,
                                 WarpathError *error)
 {
-    char config[32];
+    static const enum RTCBuildQuality qualities[] = {RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM,
+                                                     RTC_BUILD_QUALITY_HIGH};
+    char config[64];
     WarpathAccel *accel = calloc(1, sizeof *accel);
     RTCGeometry *geometries = calloc(mesh_count + (size_t)1, sizeof *geometries);
     if (!accel || !geometries) {
@@ -86,23 +88,22 @@ WarpathAccel *warpath_accel_new(const WarpathMesh *meshes, unsigned mesh_count, 
     }
     accel->geometries = geometries;
     accel->mesh_count = mesh_count;
-    snprintf(config, sizeof config, "threads=%u", options->threads);
+    snprintf(config, sizeof config, "threads=%u%s%s", options->threads, options->isa[0] ? ",isa=" : "",
+             options->isa);
     accel->device = rtcNewDevice(config);
     if (!accel->device) {
         on_error(accel, rtcGetDeviceError(NULL), "Embree made no device");
         goto failed;
     }
     rtcSetDeviceErrorFunction(accel->device, on_error, accel);
-    if (options->memory_limit) {
-        accel->memory_limit = (long long)options->memory_limit;
-        rtcSetDeviceMemoryMonitorFunction(accel->device, on_memory, accel);
-    }
+    accel->memory_limit = (long long)options->memory_limit;
+    rtcSetDeviceMemoryMonitorFunction(accel->device, on_memory, accel);
     accel->native_width = native_width(accel->device);
     accel->width = options->width ? options->width : accel->native_width;
     accel->scene = rtcNewScene(accel->device);
     if (!accel->scene) goto failed;
     rtcSetSceneFlags(accel->scene, options->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-    rtcSetSceneBuildQuality(accel->scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneBuildQuality(accel->scene, qualities[options->quality]);
     for (unsigned i = 0; i < mesh_count && accel->error.code == RTC_ERROR_NONE; i++)
         attach(accel, &meshes[i], i);
     if (accel->error.code == RTC_ERROR_NONE) rtcCommitScene(accel->scene);
@@ -157,6 +158,11 @@ void warpath_accel_free(WarpathAccel *accel)
 unsigned warpath_accel_native_width(const WarpathAccel *accel)
 {
     return accel->native_width;
+}
+
+unsigned long long warpath_accel_memory(const WarpathAccel *accel)
+{
+    return (unsigned long long)accel->memory;
 }
 
 unsigned warpath_accel_version(const WarpathAccel *accel)

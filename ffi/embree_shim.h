@@ -21,6 +21,8 @@ typedef struct WarpathMesh {
 
 typedef struct WarpathOptions {
     int robust;
+    int quality; /* of the build: 0 low, 1 medium, 2 high */
+    char isa[16]; /* the one instruction set to use, by Embree's name; empty: the best there is */
     unsigned threads; /* for building; 0: as many as Embree likes */
     unsigned width; /* widest packet handed to Embree; 0: the widest native one */
     unsigned long long memory_limit; /* bytes; 0: none */
@@ -41,6 +43,8 @@ void warpath_accel_free(WarpathAccel *accel);
 
 /* Widest packet this CPU and library handle without emulation: 1, 4, 8 or 16. */
 unsigned warpath_accel_native_width(const WarpathAccel *accel);
+/* Bytes that Embree holds. */
+unsigned long long warpath_accel_memory(const WarpathAccel *accel);
 /* Of the library that is loaded, such as 31305 or 40303. */
 unsigned warpath_accel_version(const WarpathAccel *accel);
 

@@ -2,6 +2,7 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
+use crate::trace::Backend;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -80,6 +81,12 @@ pub enum Command {
         after_help = "Example: warpath check scene.xml --param ball.translation=1,0,0 --resolution 64x64 --spp 64"
     )]
     Check(CheckArguments),
+    /// Embree against obvhs: building, refitting, memory, rays, whole gradients
+    ///
+    /// On generated meshes of three classes, or on the scenes and meshes given. Prints a table; writes bench.json and
+    /// bench.svg. Times are those of an otherwise idle machine only if it is one.
+    #[command(after_help = "Example: warpath bench --triangles 20000 --seconds 0.1 -o out/bench")]
+    Bench(BenchArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -136,8 +143,9 @@ pub struct TraceArguments {
     /// Size of the image in pixels [default: the scene's film]
     #[arg(long, value_name = "WxH", value_parser = values::resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// What traces the rays
-    #[arg(long, value_enum, default_value_t = Backend::Embree)]
+    /// What traces the rays: embree, obvhs or obvhs-bvh2; with a preset of its build after a colon, as
+    /// obvhs:slow
+    #[arg(long, value_name = "BACKEND", default_value_t)]
     pub backend: Backend,
     /// Directory for the files [default: out/COMMAND-SCENE]
     #[arg(short, long, value_name = "DIR")]
@@ -222,6 +230,27 @@ pub struct CheckArguments {
     pub tolerance: f64,
 }
 
+/// `warpath bench`
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// Scenes (.xml) and meshes (.ply, .obj) to measure on [default: generated meshes]
+    pub files: Vec<PathBuf>,
+    /// Sizes of the generated meshes
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', default_value = "20000,200000,1800000", value_parser = clap::value_parser!(u32).range(100..=100_000_000))]
+    pub triangles: Vec<u32>,
+    /// Time to repeat each measurement for
+    #[arg(long, value_name = "S", default_value_t = 0.25, value_parser = values::seconds)]
+    pub seconds: f64,
+    /// Threads, beside one [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// Directory for the files [default: out/bench]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
 /// How stderr is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
@@ -229,14 +258,6 @@ pub enum LogFormat {
     Text,
     /// One JSON object a line
     Json,
-}
-
-/// What traces rays. Hidden ones are known but not built yet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Backend {
-    Embree,
-    #[value(hide = true)]
-    Obvhs,
 }
 
 /// The estimators. Hidden ones are known but not built yet.

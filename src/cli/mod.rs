@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod backward;
+mod bench;
 mod check;
 mod comparison;
 mod completions;
@@ -28,7 +29,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 5] = ["optimize", "batch", "merge", "study", "bench"];
+const NOT_BUILT_YET: [&str; 4] = ["optimize", "batch", "merge", "study"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -46,6 +47,7 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Forward(forward) => forward::run(forward, typed),
         Command::Backward(backward) => backward::run(backward, typed),
         Command::Check(check) => check::run(check, typed),
+        Command::Bench(bench) => bench::run(bench, typed),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -70,6 +72,7 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Forward(a) => Log::new(&a.trace.talk),
         Command::Backward(a) => Log::new(&a.trace.talk),
         Command::Check(a) => Log::new(&a.trace.talk),
+        Command::Bench(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }

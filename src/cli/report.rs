@@ -21,7 +21,7 @@ pub struct Report {
     /// Null for no limit.
     pub max_depth: Option<u32>,
     pub method: Option<&'static str>,
-    pub backend: &'static str,
+    pub backend: String,
     pub threads: usize,
     /// By stage. `primal` traces paths and finds silhouettes, `adjoint` differentiates them, in forward mode
     /// too; the threads do both in turn, and the time is parted by what each took. `total` is the whole run.
@@ -67,7 +67,7 @@ impl Report {
             seed: settings.seed,
             max_depth: Some(settings.max_depth).filter(|depth| *depth != u32::MAX),
             method: None,
-            backend: "embree",
+            backend: settings.backend.to_string(),
             threads: settings.threads,
             seconds: BTreeMap::new(),
             rays: BTreeMap::new(),

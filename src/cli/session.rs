@@ -1,6 +1,6 @@
 //! What all commands that trace rays share: loading, settings, the output directory, the report.
 
-use super::arguments::{Backend, MOST_SAMPLES, MethodName, SceneArguments, TraceArguments};
+use super::arguments::{MOST_SAMPLES, MethodName, SceneArguments, TraceArguments};
 use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
@@ -42,11 +42,10 @@ impl Session {
         method: Option<Method>,
         standard_error: bool,
     ) -> Result<Self, Failure> {
-        if trace.backend == Backend::Obvhs {
-            return Err(Failure::Usage(
-                "--backend obvhs is not built yet; use embree".into(),
-            ));
-        }
+        trace
+            .backend
+            .require()
+            .map_err(|why| Failure::Usage(why.into()))?;
         let started = Instant::now();
         let signals = Signals::watch();
         let log = Log::new(&trace.talk);
@@ -255,6 +254,7 @@ fn settings(
         sensor: trace.scene.sensor,
         resolution: trace.resolution,
         method,
+        backend: trace.backend,
         standard_error,
     })
 }

@@ -98,6 +98,14 @@ pub fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A time.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 3600.0 => Ok(x),
+        _ => Err("write a number of seconds, as in 0.25".into()),
+    }
+}
+
 /// A share of a whole.
 pub fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -9,6 +9,7 @@ mod tangent;
 
 use crate::scene::parameters::{self, Parameter};
 use crate::scene::{Scene, SceneDifferential, SceneError};
+use crate::trace::Backend;
 use std::collections::BTreeMap;
 
 /// Which estimator computes a gradient.
@@ -52,6 +53,8 @@ pub struct Settings {
     /// Width and height in pixels in place of the film's.
     pub resolution: Option<[u32; 2]>,
     pub method: Method,
+    /// What traces the rays.
+    pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.
     pub standard_error: bool,
 }

@@ -89,8 +89,8 @@ impl<'a> Stage<'a> {
                 triangles: &m.triangles,
             })
             .collect();
-        let accel =
-            Accel::build(&views, AccelOptions::new(true, threads)).map_err(|e| failed(&e))?;
+        let options = AccelOptions::new(true, threads).on(settings.backend);
+        let accel = Accel::build(&views, options).map_err(|e| failed(&e))?;
         let lights = Lights::new(scene, &geometry, false);
         let sky = scene.environment.as_ref().and_then(|e| {
             let map = e.map.as_ref()?;

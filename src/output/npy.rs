@@ -1,12 +1,8 @@
-//! NumPy arrays.
-//!
-//! Writing goes through `npyz`. Reading does not: its header parser recurses and multiplies the shape
-//! unchecked on whatever the file says, and what is accepted here is small enough to be read strictly.
+//! NumPy arrays: little-endian 32-bit floats are written, a little more is read, strictly.
 
 use super::{FileError, atomic};
 use crate::methods::Image;
-use npyz::WriterBuilder;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// A dense array of numbers in C order.
@@ -22,16 +18,28 @@ pub fn write(
     shape: &[usize],
     values: impl IntoIterator<Item = f32>,
 ) -> Result<(), FileError> {
-    let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
-    atomic::write(path, |file| {
-        let mut writer = npyz::WriteOptions::<f32>::new()
-            .default_dtype()
-            .shape(&shape)
-            .writer(file.by_ref())
-            .begin_nd()?;
-        writer.extend(values)?;
-        writer.finish()
-    })
+    atomic::write(path, |file| encode(file, shape, values))
+}
+
+/// Writes the bytes of a `.npy` file.
+pub fn encode(
+    file: &mut dyn Write,
+    shape: &[usize],
+    values: impl IntoIterator<Item = f32>,
+) -> io::Result<()> {
+    // What precedes the data is padded to a multiple of 64 bytes and ends its line.
+    const BEFORE_TEXT: usize = 10;
+    let shape = tuple(shape);
+    let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+    let length = (BEFORE_TEXT + text.len() + 1).next_multiple_of(64) - BEFORE_TEXT;
+    let in_header = u16::try_from(length).map_err(io::Error::other)?;
+    file.write_all(b"\x93NUMPY\x01\x00")?;
+    file.write_all(&in_header.to_le_bytes())?;
+    file.write_all(format!("{text:width$}\n", width = length - 1).as_bytes())?;
+    for value in values {
+        file.write_all(&value.to_le_bytes())?;
+    }
+    Ok(())
 }
 
 /// Writes an image as an array of height × width × 3.

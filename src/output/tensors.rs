@@ -1,13 +1,11 @@
 //! Named gradients: safetensors for machine learning, npz for NumPy.
 
-use super::{FileError, atomic};
-use npyz::WriterBuilder;
-use npyz::npz::NpzWriter;
-use npyz::zip::write::FileOptions;
-use npyz::zip::{CompressionMethod, DateTime};
+use super::{FileError, atomic, npy};
 use safetensors::tensor::{Dtype, TensorView};
 use std::io::{self, Cursor, Write};
 use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// One array under a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,25 +45,15 @@ pub fn write_npz(path: &Path, tensors: &[Tensor]) -> Result<(), FileError> {
 }
 
 fn npz(tensors: &[Tensor]) -> io::Result<Vec<u8>> {
-    let mut archive = NpzWriter::new(Cursor::new(Vec::new()));
-    let options = FileOptions::default()
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::default());
     for tensor in tensors {
-        let shape: Vec<u64> = tensor.shape.iter().map(|&n| n as u64).collect();
-        let mut array = archive
-            .array::<f32>(&tensor.name, options)?
-            .default_dtype()
-            .shape(&shape)
-            .begin_nd()?;
-        array.extend(tensor.values.iter().copied())?;
-        array.finish()?;
+        archive.start_file(format!("{}.npy", tensor.name), options)?;
+        npy::encode(&mut archive, &tensor.shape, tensor.values.iter().copied())?;
     }
-    Ok(archive
-        .zip_writer()
-        .finish()
-        .map_err(io::Error::other)?
-        .into_inner())
+    Ok(archive.finish()?.into_inner())
 }
 
 #[cfg(test)]
@@ -104,10 +92,13 @@ mod tests {
 
         let path = directory.path().join("g.npz");
         write_npz(&path, &tensors).unwrap();
-        let mut archive = npyz::npz::NpzArchive::open(&path).unwrap();
-        let array = archive.by_name("a.vertex_positions#se").unwrap().unwrap();
-        assert_eq!(array.shape(), [2, 3]);
-        assert_eq!(array.into_vec::<f32>().unwrap(), vec![0.5; 6]);
+        let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        let mut entry = archive.by_name("a.vertex_positions#se.npy").unwrap();
+        std::io::Read::read_to_end(&mut entry, &mut bytes).unwrap();
+        let array = npy::decode(&bytes).unwrap();
+        assert_eq!(array.shape, [2, 3]);
+        assert_eq!(array.values, vec![0.5; 6]);
         let first = std::fs::read(&path).unwrap();
         write_npz(&path, &tensors).unwrap();
         assert_eq!(first, std::fs::read(&path).unwrap());

@@ -75,7 +75,7 @@ impl FileSource for Memory {
 }
 
 /// Reads `path`, telling a file that is not there (bad input) from one that cannot be read (I/O).
-pub(super) fn read_file(files: &dyn FileSource, path: &Path) -> Result<Vec<u8>, SceneError> {
+pub fn read_file(files: &dyn FileSource, path: &Path) -> Result<Vec<u8>, SceneError> {
     files.read(path).map_err(|source| {
         let file = path.display().to_string();
         match source.kind() {

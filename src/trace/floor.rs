@@ -1,5 +1,6 @@
 //! What Embree alone costs: a bare C loop over packets already in its layout, for benchmarks.
 
+use super::accel::Library;
 use super::{Accel, Coherence, Rays, ffi};
 
 /// What the bare loop measured.
@@ -11,13 +12,23 @@ pub struct Floor {
     pub hits: u64,
 }
 
-/// Times one pass of the bare loop over `packets`, all lanes active, in the widest native packets.
-pub fn floor<const N: usize>(accel: &Accel, packets: &[Rays<N>], coherence: Coherence) -> Floor {
+/// Times one pass of the bare loop over `packets`, all lanes active, in the widest native packets. `None` if it is not
+/// Embree that traces.
+pub fn floor<const N: usize>(
+    accel: &Accel,
+    packets: &[Rays<N>],
+    coherence: Coherence,
+) -> Option<Floor> {
     const {
         assert!(
             matches!(N, 1 | 4 | 8 | 16),
             "Embree has packets of 1, 4, 8 and 16"
         )
+    };
+    // The pattern always fits in a build with Embree alone.
+    #[allow(irrefutable_let_patterns)]
+    let Library::Embree(scene) = &accel.scene else {
+        return None;
     };
     // A packet of one ray is padded to 64 bytes, which the loop steps over as a stride.
     let stride = size_of::<Rays<N>>() / size_of::<f32>();
@@ -27,7 +38,7 @@ pub fn floor<const N: usize>(accel: &Accel, packets: &[Rays<N>], coherence: Cohe
     // of each are the rays, only read; the widths asked for are those the shim has.
     let seconds = unsafe {
         ffi::warpath_floor(
-            accel.raw.as_ptr(),
+            scene.raw.as_ptr(),
             packets.as_ptr().cast(),
             N as u32,
             stride as u32,
@@ -36,5 +47,5 @@ pub fn floor<const N: usize>(accel: &Accel, packets: &[Rays<N>], coherence: Cohe
             &mut hits,
         )
     };
-    Floor { seconds, hits }
+    Some(Floor { seconds, hits })
 }

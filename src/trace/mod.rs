@@ -1,16 +1,24 @@
-//! Ray queries: packets of rays against the scene's triangles, by Embree.
+//! Ray queries: packets of rays against the scene's triangles, by Embree or by obvhs.
 //!
-//! [`Accel`] is the only door to Embree; the crate's `unsafe` code is all in this module. Which width and which
-//! [`Coherence`] to use for which rays is measured in `docs/embree.md`.
+//! [`Accel`] is the only door to either; the crate's `unsafe` code is nearly all in this module. Which width and which
+//! [`Coherence`] to use for which rays is measured in `docs/embree.md`, which backend is faster in `docs/backends.md`.
 
+mod accel;
+mod backend;
+#[cfg(feature = "embree")]
 mod embree;
+#[cfg(feature = "embree")]
 mod ffi;
+#[cfg(feature = "embree")]
 pub mod floor;
 pub mod geometry;
+#[cfg(feature = "obvhs")]
+mod obvhs;
 mod packet;
 pub mod pattern;
 
-pub use embree::{Accel, AccelOptions, MeshView, TraceError};
+pub use accel::{Accel, AccelOptions, MeshView, TraceError};
+pub use backend::{Backend, EmbreeIsa, EmbreeQuality, ObvhsPreset, ObvhsTree};
 pub use packet::{Coherence, Hits, MISS, Rays, all_lanes};
 
 #[cfg(test)]

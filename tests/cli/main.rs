@@ -1,6 +1,7 @@
 //! The real program, as users and scripts meet it: exit codes, messages, streams, files.
 
 mod bad_input;
+mod bench;
 mod broken_scenes;
 mod check;
 mod runs;

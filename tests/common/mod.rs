@@ -14,6 +14,7 @@ pub mod transposition;
 use warpath::methods::{self, Method, Objective, Progress, Settings};
 use warpath::scene::Scene;
 use warpath::scene::parameters::{self, Parameter};
+use warpath::trace::Backend;
 
 /// Says nothing and is never cancelled.
 pub struct Quiet;
@@ -37,6 +38,7 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         sensor: 0,
         resolution: None,
         method,
+        backend: Backend::default(),
         standard_error: false,
     }
 }

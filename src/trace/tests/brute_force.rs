@@ -72,7 +72,7 @@ fn agrees_with_brute_force<const N: usize>() {
     for options in every_way() {
         let accel = Accel::build(&views(&shapes), options).unwrap();
         let (mut hit, mut certain) = (0, 0);
-        for packet in 0..48 {
+        for packet in 0..64 {
             let rays = random_rays::<N>(&mut random, packet % 2 == 0);
             for coherence in BOTH {
                 let mut hits = Hits::default();
