@@ -69,6 +69,7 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         resolution: None,
         method: Method::Reparam,
         standard_error: true,
+        groups: None,
     };
     let statistics =
         methods::forward(&scene, &settings, &[(parameter, numbers)], &Quiet)?.statistics;

@@ -2,13 +2,15 @@
 
 pub mod arguments;
 mod backward;
+mod batch;
+mod batch_progress;
 mod check;
 mod comparison;
 mod completions;
-mod direction;
 mod exit;
 mod forward;
 mod log;
+mod merge;
 mod params;
 mod progress;
 mod render;
@@ -28,7 +30,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 5] = ["optimize", "batch", "merge", "study", "bench"];
+const NOT_BUILT_YET: [&str; 3] = ["optimize", "study", "bench"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -46,6 +48,8 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Forward(forward) => forward::run(forward, typed),
         Command::Backward(backward) => backward::run(backward, typed),
         Command::Check(check) => check::run(check, typed),
+        Command::Batch(batch) => batch::run(batch, typed),
+        Command::Merge(merge) => merge::run(merge),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -70,6 +74,8 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Forward(a) => Log::new(&a.trace.talk),
         Command::Backward(a) => Log::new(&a.trace.talk),
         Command::Check(a) => Log::new(&a.trace.talk),
+        Command::Batch(a) => Log::new(&a.talk),
+        Command::Merge(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }

@@ -8,6 +8,7 @@ mod ffi;
 pub mod floor;
 pub mod geometry;
 mod packet;
+pub mod tightness;
 
 pub use embree::{Accel, AccelOptions, MeshView, TraceError};
 pub use packet::{Coherence, Hits, MISS, Rays, all_lanes};

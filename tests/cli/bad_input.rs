@@ -51,7 +51,10 @@ fn bad_input_is_told() {
             "render s.xml --resolution 65536x65536".into(),
             "65536x65536 pixels are too many",
         ),
-        ("render s.xml -D count=4000000".into(), "--spp changes it"),
+        (
+            "render s.xml -D count=4000000".into(),
+            "4000000 samples a pixel are too many",
+        ),
         (
             "check s.xml --spp 1 --param floor.translation=1,0,0".into(),
             "raise --spp",

@@ -37,6 +37,7 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         resolution: None,
         method,
         standard_error: false,
+        groups: None,
     }
 }
 
