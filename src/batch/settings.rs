@@ -97,7 +97,7 @@ pub fn image(file: &Path, [width, height]: [u32; 2]) -> Result<Image, Failure> {
     let image = picture::read(file)?;
     if (image.width, image.height) != (width as usize, height as usize) {
         return Err(Failure::Input(format!(
-            "{}: {}x{} pixels, the image rendered has {width}x{height}",
+            "{}: {}x{} pixels, the image rendered has {width}x{height}; give another picture or resolution",
             file.display(),
             image.width,
             image.height

@@ -126,6 +126,39 @@ fn unlike_shards_are_not_merged() {
     run(at, "merge a b -o merged", 0);
 }
 
+/// What the manifest in docs/scaling.md starts, with the variable that Kubernetes sets.
+#[test]
+fn the_kubernetes_recipe_runs() {
+    let directory = workplace();
+    let at = directory.path();
+    write(at, "jobs.jsonl", &of_all_kinds(4));
+    run(at, "batch jobs.jsonl -q -o whole", 0);
+    let page = std::fs::read_to_string("docs/scaling.md").unwrap();
+    let line = page
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("command: [warpath, "));
+    let command = line.unwrap().trim_end_matches(']').replace('"', "");
+    let command: Vec<&str> = command.split(", ").collect();
+    assert!(page.contains("completions: 16") && command.contains(&"auto/16"));
+    for index in 0..16 {
+        let out = std::process::Command::new(env!("CARGO_BIN_EXE_warpath"))
+            .args(&command)
+            .env("JOB_COMPLETION_INDEX", index.to_string())
+            .current_dir(at)
+            .output()
+            .unwrap();
+        assert_eq!(
+            out.status.code(),
+            Some(0),
+            "{}",
+            String::from_utf8_lossy(&out.stderr)
+        );
+    }
+    let folders: Vec<String> = (1..=16).map(|i| format!("out/{i}-of-16")).collect();
+    run(at, &format!("merge {} -o merged", folders.join(" ")), 0);
+    assert_same_files(&at.join("whole"), &at.join("merged"));
+}
+
 #[test]
 fn the_environment_tells_the_shard() {
     let directory = workplace();

@@ -99,9 +99,10 @@ fn values_do_what_the_scene_file_would() {
         .iter()
         .enumerate()
         .map(|(i, way)| {
+            let key = ["floor.vertex_positions", "floor.positions"][i % 2];
             json!({
                 "id": format!("{i}"), "mode": "forward", "scene": "s.xml", "params": {"floor.translation": [0, 0, 1]},
-                "set": {(["floor.vertex_positions", "floor.positions"][i % 2 * (i / 3 ^ 1)]): way}
+                "set": {(key): way}
             })
         })
         .collect();

@@ -109,7 +109,7 @@ fn bad_input_is_told() {
         (target("short.npy"), "400 bytes"),
         (target("complex.npy"), "c8"),
         (adjoint("text.npy"), "not a NumPy array"),
-        (adjoint("small.npy"), "--resolution"),
+        (adjoint("small.npy"), "give another picture or resolution"),
         (
             adjoint("target.npy --resolution 4x4"),
             "8x6 pixels, the image rendered has 4x4",

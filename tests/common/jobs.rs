@@ -28,7 +28,8 @@ pub fn of_all_kinds(count: usize) -> Vec<Value> {
             };
             job["id"] = json!(format!("job-{i}"));
             job["scene"] = json!("s.xml");
-            job["defines"] = json!({"count": 8 + 8 * (i % 2), "filter": ["box", "gaussian"][i % 3 / 2]});
+            let filter = ["box", "gaussian"][i % 3 / 2];
+            job["defines"] = json!({"count": 8 + 8 * (i % 2), "filter": filter});
             job["seed"] = json!(i);
             job
         })
