@@ -76,3 +76,23 @@ pub fn norm<'a>(values: impl IntoIterator<Item = &'a f32>) -> f64 {
 pub fn rms(image: &Image) -> f64 {
     norm(image.pixels.iter().flatten()) / ((3 * image.pixels.len()).max(1) as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_standard_error_is_that_of_the_mean() {
+        let groups: Vec<Vec<f32>> = (0..16).map(|g| vec![g as f32, 1.0]).collect();
+        let tensors = of_groups("a", &[2], &groups, true);
+        assert_eq!(tensors[0].values, [7.5, 1.0]);
+        assert_eq!(tensors[1].name, "a#se");
+        let se = &tensors[1].values;
+        assert!(
+            (se[0] - 4.760_952_3 / 4.0).abs() < 1e-5 && se[1] == 0.0,
+            "{se:?}"
+        );
+        assert_eq!(of_groups("a", &[2], &groups, false).len(), 1);
+        assert_eq!(of_groups("a", &[2], &groups[..1], true).len(), 1);
+    }
+}
