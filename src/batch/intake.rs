@@ -11,6 +11,9 @@ use serde_json::value::RawValue;
 use std::collections::{HashMap, VecDeque};
 use std::path::Path;
 
+/// Jobs of a scene that are left when the next scene begins to load.
+const BEFORE_THE_NEXT: usize = 8;
+
 /// A line that is to be run.
 #[derive(Debug)]
 pub struct Line {
@@ -105,7 +108,7 @@ fn hash(text: &str) -> String {
 
 /// The jobs of a file.
 pub struct JobFile {
-    /// To be run, those of one scene after another.
+    /// To be run, scene by scene.
     pub lines: VecDeque<Line>,
     /// Done by an earlier run.
     pub done: usize,
@@ -155,11 +158,30 @@ impl JobFile {
         // Stable: within a scene the order is the file's.
         lines.sort_by_key(|(place, _)| *place);
         Ok(Self {
-            lines: lines.into_iter().map(|(_, line)| line).collect(),
+            lines: in_time(lines),
             done,
             hash: hash(&String::from_utf8_lossy(&text)),
         })
     }
+}
+
+/// Takes the first job of each scene before the last ones of the scene before it: while it loads, they are run.
+fn in_time(lines: Vec<(usize, Line)>) -> VecDeque<Line> {
+    let mut scenes: Vec<VecDeque<Line>> = Vec::new();
+    for (place, line) in lines {
+        scenes.resize_with(scenes.len().max(place + 1), VecDeque::new);
+        scenes[place].push_back(line);
+    }
+    let mut order = VecDeque::new();
+    let mut scenes = scenes.into_iter().peekable();
+    order.extend(scenes.peek_mut().and_then(VecDeque::pop_front));
+    while let Some(mut scene) = scenes.next() {
+        let last = scene.split_off(scene.len().saturating_sub(BEFORE_THE_NEXT));
+        order.extend(scene);
+        order.extend(scenes.peek_mut().and_then(VecDeque::pop_front));
+        order.extend(last);
+    }
+    order
 }
 
 /// Tells scenes apart as far as the order of jobs needs it.
@@ -193,7 +215,8 @@ mod tests {
                 .lines
         };
         let numbers = |shard| -> Vec<usize> { read(shard).iter().map(|l| l.number).collect() };
-        assert_eq!(numbers(None), [1, 6, 2, 7, 4, 5]);
+        // The first of each scene comes before the last of the one before it.
+        assert_eq!(numbers(None), [1, 2, 6, 4, 7, 5]);
         let refused: Vec<usize> = read(None)
             .iter()
             .filter(|l| l.refusal.is_some())

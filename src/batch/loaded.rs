@@ -14,7 +14,7 @@ use std::time::{Instant, SystemTime};
 
 /// Boxes of a refitted hierarchy may be looser by this factor before building anew is cheaper: measured in
 /// `docs/batch.md`.
-const LOOSEST: f64 = 2.0;
+const LOOSEST: f64 = 1.2;
 
 /// A scene, what is made of it, and what it was read from.
 pub struct Loaded {

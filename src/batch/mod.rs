@@ -20,5 +20,7 @@ pub mod shard;
 mod share;
 mod source;
 mod store;
+mod stream;
+mod sum;
 pub mod summary;
 mod task;

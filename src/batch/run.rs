@@ -5,32 +5,28 @@ use super::folder;
 use super::intake::{Entry, JobFile, Line, Register};
 use super::job::Job;
 use super::journal::Journal;
+use super::loaded::Loaded;
 use super::manifest::Manifest;
 use super::memory;
 use super::result::ResultLine;
 use super::shard::{Shard, Split};
 use super::share;
 use super::store::{SceneKey, Store};
+use super::stream::{Next, Stream};
 use super::summary::{Summary, Tally};
 use super::task::{Question, Stand};
 use crate::methods::{Progress, Workers};
+use crate::output::results::{self, ResultFile};
 use std::collections::BTreeMap;
 use std::io::{BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads busy.
 const SPARE_JOBS: usize = 2;
-
-/// Lines of a stream that are read ahead.
-const READ_AHEAD: usize = 64;
-
-/// Between two looks at whether the user wants to stop.
-const PATIENCE: Duration = Duration::from_millis(100);
 
 /// How a batch is run.
 #[derive(Clone, Debug)]
@@ -81,46 +77,27 @@ pub fn of_stream(
     let (journal, earlier) = Journal::open(&options.directory, options.resume)?;
     folder::sweep(&options.directory)?;
     watch.begin(None, 0);
-    let lines = Mutex::new(Stream {
-        lines: read_lines(input),
-        register: Register::new(earlier),
-        number: 0,
-    });
+    let lines = Mutex::new(Stream::new(input, Register::new(earlier)));
     let batch = Batch::new(options, watch, journal, Some(output), None)?;
     let skipped = AtomicU64::new(0);
     let next = || {
-        loop {
-            match batch.next_of(&lines)? {
-                Entry::Run(line) => return Some(line),
-                Entry::Done(text) => {
+        while !batch.is_stopped() {
+            match locked(&lines).next() {
+                Next::Line(Entry::Run(line)) => return Some(line),
+                Next::Line(Entry::Done(text)) => {
                     skipped.fetch_add(1, Ordering::Relaxed);
                     batch.answer(&text);
                 }
+                Next::NotYet => {}
+                Next::End => return None,
+                Next::Failed(failure) => batch.stop(failure),
             }
         }
+        None
     };
     let mut summary = batch.run(&next, 0)?;
     summary.skipped = skipped.into_inner() as usize;
     Ok(summary)
-}
-
-/// Reads on a thread of its own, which nobody waits for: it may wait for ever.
-fn read_lines(input: impl BufRead + Send + 'static) -> Receiver<std::io::Result<Vec<u8>>> {
-    let (send, receive) = sync_channel(READ_AHEAD);
-    std::thread::spawn(move || {
-        for line in input.split(b'\n') {
-            if send.send(line).is_err() {
-                return;
-            }
-        }
-    });
-    receive
-}
-
-struct Stream {
-    lines: Receiver<std::io::Result<Vec<u8>>>,
-    register: Register,
-    number: usize,
 }
 
 struct Batch<'a> {
@@ -210,43 +187,6 @@ impl<'a> Batch<'a> {
         Ok(summary)
     }
 
-    /// The next line of a stream.
-    fn next_of(&self, stream: &Mutex<Stream>) -> Option<Entry> {
-        loop {
-            if self.is_stopped() {
-                return None;
-            }
-            let mut stream = locked(stream);
-            match stream.lines.recv_timeout(PATIENCE) {
-                Ok(Ok(bytes)) => {
-                    stream.number += 1;
-                    let text = String::from_utf8_lossy(&bytes).into_owned();
-                    if text.trim().is_empty() {
-                        continue;
-                    }
-                    let number = stream.number;
-                    return Some(match stream.register.enter(number, &text) {
-                        Ok(entry) => entry,
-                        Err(failure) => Entry::Run(Line {
-                            number,
-                            text,
-                            hash: String::new(),
-                            id: None,
-                            refusal: Some(failure),
-                        }),
-                    });
-                }
-                Ok(Err(error)) => {
-                    let what = crate::output::atomic::plain(&error);
-                    self.stop(Failure::World(format!("standard input: {what}")));
-                    return None;
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return None,
-            }
-        }
-    }
-
     fn stop(&self, failure: Failure) {
         self.stopped.store(true, Ordering::Relaxed);
         locked(&self.fatal).get_or_insert(failure);
@@ -306,7 +246,7 @@ impl<'a> Batch<'a> {
             defines: job.definitions(),
         };
         let waited = Instant::now();
-        let bytes = |loaded: &super::loaded::Loaded| {
+        let bytes = |loaded: &Loaded| {
             let settings = wishes.settle(&loaded.scene)?;
             Ok(memory::of_job(&loaded.scene, &settings, &job))
         };
@@ -352,7 +292,7 @@ impl<'a> Batch<'a> {
                 result.absorb(&partial.statistics);
                 result.loss = partial.loss;
                 if !partial.tensors.is_empty() {
-                    let file = crate::output::results::partial(share::PARTIAL, &partial.tensors);
+                    let file = results::partial(share::PARTIAL, &partial.tensors);
                     self.write(&job, &[file], &mut result)?;
                 }
                 result.share = Some(partial.share);
@@ -377,7 +317,7 @@ impl<'a> Batch<'a> {
     fn write(
         &self,
         job: &Job,
-        files: &[crate::output::results::ResultFile],
+        files: &[ResultFile],
         result: &mut ResultLine,
     ) -> Result<(), Failure> {
         let start = Instant::now();

@@ -62,10 +62,17 @@ pub struct Reservation {
 
 /// A job that may run.
 pub struct Admission {
+    // In this order they go: whoever sees that no job is active must find the scenes idle and the memory free.
     pub loaded: Arc<Loaded>,
+    _release: Release,
     /// Whether this job's coming made the scene load.
     pub was_loaded: bool,
-    reservation: Reservation,
+}
+
+/// The memory of a job that runs.
+struct Release {
+    ledger: Arc<Ledger>,
+    bytes: u64,
 }
 
 impl Store {
@@ -113,11 +120,11 @@ impl Store {
                 }
                 state.loading = true;
                 drop(state);
+                let turn = LoadingTurn(ledger);
                 let loaded = Loaded::load(key, &self.workers, Reservation::none(ledger), cancelled);
+                drop(turn);
                 was_loaded = true;
                 state = ledger.lock();
-                state.loading = false;
-                ledger.changed.notify_all();
                 match loaded {
                     Ok(loaded) => state.put(key, Arc::new(loaded)),
                     Err(failure) => break Err(failure),
@@ -161,11 +168,11 @@ impl Store {
         match admitted? {
             Some((loaded, bytes)) => Ok(Admission {
                 loaded,
-                was_loaded,
-                reservation: Reservation {
+                _release: Release {
                     ledger: ledger.clone(),
                     bytes,
                 },
+                was_loaded,
             }),
             None => Err(Failure::World(
                 "a scene was lost between two looks at it".into(),
@@ -174,10 +181,23 @@ impl Store {
     }
 }
 
-impl Drop for Admission {
+/// Only one scene loads at a time. The turn ends however the loading does.
+struct LoadingTurn<'a>(&'a Ledger);
+
+impl Drop for LoadingTurn<'_> {
     fn drop(&mut self) {
-        self.reservation.ledger.lock().active -= 1;
-        // The reservation goes next, and tells those who wait.
+        self.0.lock().loading = false;
+        self.0.changed.notify_all();
+    }
+}
+
+impl Drop for Release {
+    fn drop(&mut self) {
+        let mut state = self.ledger.lock();
+        state.active -= 1;
+        state.used -= self.bytes;
+        drop(state);
+        self.ledger.changed.notify_all();
     }
 }
 

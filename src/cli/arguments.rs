@@ -12,7 +12,7 @@ const EXIT_CODES: &str = "Exit codes:
   0         done
   1         a check said no
   2         wrong usage
-  3         the input is bad: scene, parameter, mesh, image
+  3         the input is bad: scene, parameter, mesh, image, job
   4         the world failed: files, memory
   5         a batch finished, some of its jobs failed
   130, 143  interrupted; what was finished is on disk";

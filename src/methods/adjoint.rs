@@ -1,6 +1,7 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
-use super::stage::{GroupImages, Stage, StageClock};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
 use super::{
     BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
     Settings, Statistics, refusals,

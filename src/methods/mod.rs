@@ -2,6 +2,7 @@
 
 mod adjoint;
 mod differences;
+mod groups;
 mod prepared;
 mod primal;
 mod refusals;
@@ -169,8 +170,8 @@ pub struct Evaluation {
 }
 
 pub use adjoint::inner_product;
+pub use groups::{GroupMean, equal_groups, group_count};
 pub use prepared::{Edits, Parts, Prepared, Workers, views};
-pub use stage::{GroupMean, equal_groups, group_count};
 
 impl From<SceneError> for EngineError {
     fn from(error: SceneError) -> Self {

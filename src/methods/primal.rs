@@ -1,6 +1,7 @@
 //! The image itself.
 
-use super::stage::{GroupImages, Stage, StageClock};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
 use super::{EngineError, Prepared, Progress, Rendering, Settings, Statistics};
 use crate::paths::film::Block;
 use crate::paths::tile::TracedTile;

@@ -1,6 +1,7 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
-use super::stage::{GroupImages, Stage, StageClock};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
 use super::{
     EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
 };
