@@ -7,9 +7,6 @@ use crate::scene::Scene;
 use std::fs;
 use std::path::Path;
 
-/// Part of the machine's memory that a batch may take unless `--memory` says otherwise.
-pub const DEFAULT_SHARE: f64 = 0.5;
-
 /// Bytes of a triangle in Embree: its own copy of the indices, and the hierarchy over robust triangles.
 const ACCEL_BYTES_A_TRIANGLE: u64 = 240;
 /// Embree's device and a small scene in it.
@@ -107,8 +104,8 @@ fn texels(scene: &Scene) -> u64 {
     scene.textures.iter().map(|t| t.texels.len() as u64).sum()
 }
 
-/// What a job takes beside its scene.
-pub fn of_job(scene: &Scene, settings: &Settings, job: &Job) -> u64 {
+/// What a job takes beside its scene; `kept`: groups whose results are kept apart.
+pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     let [width, height] = settings::size(settings, scene).map(u64::from);
     let pixels = width * height;
     let groups = match (settings.groups, settings.standard_error) {
@@ -138,7 +135,9 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job) -> u64 {
         true => 0,
         false => of_changed(scene, true),
     };
-    own + written + tiles + set
+    // As tensors, and once more as the file that is written.
+    let apart = 2 * kept * (2 * 12 * pixels + 4 * (3 * vertices + 3 * texels(scene)));
+    own + written + tiles + set + apart
 }
 
 /// Bytes as people read them.

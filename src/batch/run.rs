@@ -245,10 +245,15 @@ impl<'a> Batch<'a> {
             path: job.scene.clone(),
             defines: job.definitions(),
         };
+        let shared = self
+            .options
+            .shard
+            .filter(|_| self.options.split == Split::Samples);
         let waited = Instant::now();
         let bytes = |loaded: &Loaded| {
             let settings = wishes.settle(&loaded.scene)?;
-            Ok(memory::of_job(&loaded.scene, &settings, &job))
+            let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
+            Ok(memory::of_job(&loaded.scene, &settings, &job, kept as u64))
         };
         let admission = self.store.admit(&key, bytes, &|| self.is_stopped())?;
         let mut result = ResultLine {
@@ -279,10 +284,6 @@ impl<'a> Batch<'a> {
             batch: self,
             told: AtomicU64::new(0),
         };
-        let shared = self
-            .options
-            .shard
-            .filter(|_| self.options.split == Split::Samples);
         match shared {
             Some(shard) => {
                 let partial =

@@ -59,6 +59,19 @@ pub fn image_tensor(name: String, image: &Image) -> Tensor {
     }
 }
 
+fn group_count(settings: &Settings) -> u32 {
+    match settings.groups {
+        Some(groups) => groups.count,
+        None => equal_groups(settings.spp, LEAST_GROUPS),
+    }
+}
+
+/// The groups that `shard` does.
+pub fn own_groups(settings: &Settings, shard: Shard) -> Vec<u32> {
+    let all = 0..group_count(settings);
+    all.filter(|&group| shard.has(group as usize)).collect()
+}
+
 /// Does the groups of `shard`.
 pub fn answer(
     job: &Job,
@@ -73,11 +86,8 @@ pub fn answer(
             "method: finite differences cannot be shared out by samples; use --split jobs".into(),
         ));
     }
-    let count = match settings.groups {
-        Some(groups) => groups.count,
-        None => equal_groups(settings.spp, LEAST_GROUPS),
-    };
-    let done: Vec<u32> = (0..count).filter(|&g| shard.has(g as usize)).collect();
+    let count = group_count(settings);
+    let done = own_groups(settings, shard);
     let mut partial = Partial {
         share: Share {
             mode: job.mode,

@@ -122,14 +122,15 @@ impl Store {
                 drop(state);
                 let turn = LoadingTurn(ledger);
                 let loaded = Loaded::load(key, &self.workers, Reservation::none(ledger), cancelled);
-                drop(turn);
                 was_loaded = true;
+                // Before the turn ends: else another job would load the same scene.
+                let there = loaded.map(|loaded| ledger.lock().put(key, Arc::new(loaded)));
+                drop(turn);
                 state = ledger.lock();
-                match loaded {
-                    Ok(loaded) => state.put(key, Arc::new(loaded)),
+                match there {
+                    Ok(()) => continue,
                     Err(failure) => break Err(failure),
                 }
-                continue;
             };
             if !slot.loaded.is_fresh() {
                 let stale = state.scenes.remove(key);

@@ -77,10 +77,7 @@ pub struct Stand<'a> {
 impl<'a> Stand<'a> {
     /// Applies the job's values.
     pub fn new(job: &Job, loaded: &'a Loaded, threads: usize) -> Result<Self, Failure> {
-        let mut edits = Edits {
-            moved: vec![false; loaded.scene.meshes.len()],
-            ..Edits::default()
-        };
+        let mut edits = Edits::none(&loaded.scene);
         if job.set.0.is_empty() {
             return Ok(Self {
                 loaded,
@@ -154,7 +151,9 @@ fn mark(edits: &mut Edits, target: Option<Target>) {
             | Target::ShapeRotation(mesh)
             | Target::ShapeScale(mesh),
         ) => edits.moved[mesh] = true,
-        Some(Target::Texels(_) | Target::Texel { .. } | Target::ToUv(_)) => edits.colours = true,
+        Some(Target::Texels(texture) | Target::Texel { texture, .. } | Target::ToUv(texture)) => {
+            edits.textures[texture] = true
+        }
         Some(Target::EnvironmentScale | Target::EnvironmentRotation) => edits.environment = true,
         // Cameras and lights without an extent are read from the scene itself.
         Some(

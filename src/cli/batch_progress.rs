@@ -64,7 +64,8 @@ impl Watch for BatchProgress {
         let Ok(mut last) = self.last.try_lock() else {
             return;
         };
-        if last.elapsed() < INTERVAL {
+        let is_last = tally.total == Some(tally.done() as usize);
+        if last.elapsed() < INTERVAL && !is_last {
             return;
         }
         *last = Instant::now();

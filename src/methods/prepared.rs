@@ -50,14 +50,42 @@ pub struct Parts {
 }
 
 /// What of a scene is no longer as it was when its [`Parts`] were made.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Edits {
     /// Per mesh: whether its vertices or normals have moved.
     pub moved: Vec<bool>,
-    /// Whether any texture has changed.
-    pub colours: bool,
-    /// Whether the environment has changed or turned.
+    /// Per texture: whether any of its numbers has changed.
+    pub textures: Vec<bool>,
+    /// Whether the environment map has turned, or its scale has changed.
     pub environment: bool,
+}
+
+impl Edits {
+    /// None yet.
+    pub fn none(scene: &Scene) -> Self {
+        Self {
+            moved: vec![false; scene.meshes.len()],
+            textures: vec![false; scene.textures.len()],
+            environment: false,
+        }
+    }
+
+    fn lights(&self, scene: &Scene) -> bool {
+        let mut radiances = scene.area_lights.iter().map(|light| light.radiance);
+        self.moved.contains(&true) || radiances.any(|texture| self.textures[texture])
+    }
+
+    /// A table of materials keeps nothing of their colours.
+    fn materials(&self, scene: &Scene) -> bool {
+        let slots = scene.materials.iter().flat_map(|m| m.bsdf.slots());
+        let mut kept = slots.filter(|(name, _)| matches!(*name, "alpha" | "eta"));
+        kept.any(|(_, texture)| self.textures[texture])
+    }
+
+    fn sky(&self, scene: &Scene) -> bool {
+        let radiance = scene.environment.as_ref().map(|e| e.radiance);
+        self.environment || radiance.is_some_and(|texture| self.textures[texture])
+    }
 }
 
 impl Parts {
@@ -102,15 +130,15 @@ impl Parts {
             None => Arc::default(),
         };
         Self {
-            lights: match moves || edits.colours {
+            lights: match edits.lights(scene) {
                 true => Arc::new(Lights::new(scene, &geometry, false)),
                 false => self.lights.clone(),
             },
-            materials: match edits.colours {
+            materials: match edits.materials(scene) {
                 true => Arc::new(MaterialTable::new(scene)),
                 false => self.materials.clone(),
             },
-            sky: match edits.environment || edits.colours {
+            sky: match edits.sky(scene) {
                 true => sky(scene),
                 false => self.sky.clone(),
             },

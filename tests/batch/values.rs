@@ -72,6 +72,46 @@ fn values_do_what_the_scene_file_would() {
     );
     assert_eq!(pairs[0], pairs[1]);
 
+    // What is kept of roughnesses, indices and lights is made anew.
+    let plastic = r#"<bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="0.2, 0.5, 0.1"/>
+        <float name="alpha" value="0.3"/></bsdf>"#;
+    let lamp = r#"<shape type="rectangle" id="lamp"><transform name="to_world"><rotate x="1" angle="180"/>
+        <translate z="3"/></transform><emitter type="area"><rgb name="radiance" value="0, 0, 0"/></emitter></shape>
+        <shape type="rectangle" id="lamp2"><transform name="to_world"><rotate x="1" angle="180"/>
+        <translate x="3" z="3"/></transform><emitter type="area"><rgb name="radiance" value="1, 1, 1"/></emitter></shape>"#;
+    let diffuse = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.1"/></bsdf>"#;
+    let scene = SCENE
+        .replace(diffuse, plastic)
+        .replace("</scene>", &format!("{lamp}</scene>"));
+    assert_ne!(scene, SCENE);
+    std::fs::write(at.join("s.xml"), &scene).unwrap();
+    for (key, value, before, after) in [
+        (
+            "floor.bsdf.alpha.value",
+            json!(0.2),
+            "\"alpha\" value=\"0.3\"",
+            "\"alpha\" value=\"0.2\"",
+        ),
+        (
+            "lamp.emitter.radiance.value",
+            json!([9, 8, 7]),
+            "\"0, 0, 0\"/></emitter>",
+            "\"9, 8, 7\"/></emitter>",
+        ),
+        (
+            "floor.bsdf.diffuse_reflectance.value",
+            json!([0.5, 0.25, 0.125]),
+            "0.2, 0.5, 0.1",
+            "0.5, 0.25, 0.125",
+        ),
+    ] {
+        let other = scene.replace(before, after);
+        assert_ne!(other, scene, "{key}");
+        let pairs = both(at, &kind, &json!({key: value}), &other);
+        assert_eq!(pairs[0], pairs[1], "{key}");
+    }
+    std::fs::write(at.join("s.xml"), SCENE).unwrap();
+
     // The same vertices are the same scene, from an array or a tensor.
     let corners = [
         [-1.0f32, -1.0, 0.1],
