@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// Bytes of a triangle in Embree: its own copy of the indices, and the hierarchy over robust triangles.
-const ACCEL_BYTES_A_TRIANGLE: u64 = 240;
+const ACCEL_BYTES_A_TRIANGLE: u64 = 130;
 /// Embree's device and a small scene in it.
 const ACCEL_BYTES: u64 = 1 << 20;
 /// Bytes of a triangle in the numbered geometry and the adjacency, the tables for making the latter included.
@@ -17,6 +17,8 @@ const LINK_BYTES_A_TRIANGLE: u64 = 16 + 12 + 48;
 const BYTES_A_VERTEX: u64 = 32;
 /// A tile's store of paths, its image and its sums, in flight on a thread.
 const TILE_BYTES: u64 = 6 << 20;
+/// Vertices and texels that the paths of one tile touch, at most: what waits of a tile are these alone.
+const TOUCHED: u64 = 1 << 17;
 /// Tiles whose results wait for being added, a thread: as `methods::stage` hands them out.
 const WAITING_TILES: u64 = 8;
 
@@ -125,8 +127,10 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
         // The directions of all vertices, and their motion.
         Mode::Forward => 2 * image + 3 * 12 * vertices,
         Mode::Backward => {
-            let numbers = 2 * vertices + texels(scene);
-            let scratch = settings.threads as u64 * (WAITING_TILES + 1) * 17 * numbers;
+            let smooth = scene.meshes.iter().any(|m| m.normals.vertex().is_some());
+            let numbers = vertices * if smooth { 2 } else { 1 } + texels(scene);
+            let waiting = WAITING_TILES * 16 * numbers.min(TOUCHED);
+            let scratch = settings.threads as u64 * (17 * numbers + waiting);
             // Double sums of every group, then single ones, then those by parameter.
             2 * image + numbers * (groups * (24 + 12 + 12) + 24) + scratch
         }

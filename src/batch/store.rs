@@ -307,3 +307,7 @@ impl Drop for Reservation {
         self.ledger.changed.notify_all();
     }
 }
+
+#[cfg(test)]
+#[path = "store_tests.rs"]
+mod tests;
