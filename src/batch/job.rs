@@ -5,11 +5,12 @@ use super::journal::RESULTS;
 use super::manifest::{MANIFEST, REPORT};
 use super::numbers::Numbers;
 use super::pairs::{Keys, Pairs};
-use super::settings::{LARGEST_SIDE, MOST_SAMPLES, Wishes};
+use super::settings::{self, MOST_SAMPLES, Wishes};
 use crate::methods::Method;
 use crate::output::results;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 /// Longest id, in bytes: with what is put around it, it is a file name.
@@ -64,10 +65,9 @@ pub struct Job {
     #[serde(default)]
     #[schemars(range(min = -1))]
     pub max_depth: Option<i64>,
-    /// Width and height of the image in pixels
+    /// Width and height of the image in pixels: [640, 480] or "640x480"
     #[serde(default)]
-    #[schemars(inner(range(min = 1, max = 65536)))]
-    pub resolution: Option<[u32; 2]>,
+    pub resolution: Option<Resolution>,
     /// forward, backward: whether to write standard errors [default: true]
     #[serde(default)]
     pub stderr: Option<bool>,
@@ -110,6 +110,40 @@ pub enum Loss {
     /// The mean of its square.
     #[default]
     L2,
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "Sides")]
+pub struct Resolution(pub [u32; 2]);
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "write [width, height] or \"WIDTHxHEIGHT\"")]
+enum Sides {
+    Pair(#[schemars(inner(range(min = 1, max = 65536)))] [u32; 2]),
+    Text(#[schemars(regex(pattern = r"^[0-9]+[xX][0-9]+$"))] String),
+}
+
+impl TryFrom<Sides> for Resolution {
+    type Error = String;
+
+    fn try_from(sides: Sides) -> Result<Self, String> {
+        match sides {
+            Sides::Pair(sides) => settings::check_resolution(sides),
+            Sides::Text(text) => settings::resolution(&text),
+        }
+        .map(Resolution)
+    }
+}
+
+impl JsonSchema for Resolution {
+    fn schema_name() -> Cow<'static, str> {
+        "Resolution".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Sides::json_schema(generator)
+    }
 }
 
 /// The value of a `$name`.
@@ -163,12 +197,6 @@ impl Job {
             return refuse(
                 "max_depth: write a number of segments from 1, or -1 for no limit".into(),
             );
-        }
-        let sides = self.resolution.iter().flatten();
-        if sides.into_iter().any(|n| !(1..=LARGEST_SIDE).contains(n)) {
-            return refuse(format!(
-                "resolution: each side is from 1 to {LARGEST_SIDE} pixels"
-            ));
         }
         let takes =
             |field: &str, given: bool, modes: &[Mode]| match given && !modes.contains(&self.mode) {
@@ -241,7 +269,7 @@ impl Job {
             max_depth: self
                 .max_depth
                 .map(|depth| u32::try_from(depth).unwrap_or(u32::MAX)),
-            resolution: self.resolution,
+            resolution: self.resolution.map(|resolution| resolution.0),
             method: match self.method {
                 Some(MethodName::Interior) => Method::Interior,
                 Some(MethodName::Fd) => Method::Fd,

@@ -10,10 +10,26 @@ use std::path::Path;
 pub const MOST_SAMPLES: u32 = 1 << 20;
 
 /// Largest width or height; past it a typing error is likelier than a wish.
-pub const LARGEST_SIDE: u32 = 65_536;
+const LARGEST_SIDE: u32 = 65_536;
 
 /// Pixels of an image.
 const MOST_PIXELS: u64 = 1 << 28;
+
+/// Reads `WxH`.
+pub fn resolution(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "write width x height, as in 640x480".to_string();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let side = |text: &str| text.parse::<u32>().map_err(|_| wrong());
+    check_resolution([side(width)?, side(height)?])
+}
+
+/// The same, if it is one that an image can have.
+pub fn check_resolution(sides: [u32; 2]) -> Result<[u32; 2], String> {
+    match sides.iter().all(|side| (1..=LARGEST_SIDE).contains(side)) {
+        true => Ok(sides),
+        false => Err(format!("each side is from 1 to {LARGEST_SIDE} pixels")),
+    }
+}
 
 /// What is `None` comes from the scene.
 #[derive(Clone, Debug, Default)]

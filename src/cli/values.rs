@@ -1,7 +1,7 @@
 //! How the values of options are written. Each function says what is wrong and what would be right.
 
 use crate::batch::numbers::Numbers;
-use crate::batch::settings::LARGEST_SIDE;
+use crate::batch::settings;
 use crate::batch::shard::ShardChoice;
 
 /// A parameter's key with its tangent.
@@ -56,14 +56,7 @@ pub fn definition(text: &str) -> Result<(String, String), String> {
 
 /// `WxH`.
 pub fn resolution(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || "write width x height, as in 640x480".to_string();
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
-    let side = |text: &str| match text.parse::<u32>() {
-        Ok(n) if (1..=LARGEST_SIDE).contains(&n) => Ok(n),
-        Ok(_) => Err(format!("each side is from 1 to {LARGEST_SIDE} pixels")),
-        Err(_) => Err(wrong()),
-    };
-    Ok([side(width)?, side(height)?])
+    settings::resolution(text)
 }
 
 /// A number of segments, or -1.

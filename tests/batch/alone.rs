@@ -53,7 +53,7 @@ fn a_job_gives_the_bytes_of_the_single_command() {
         (
             "second",
             "backward s.xml --sensor 1 --param second.rotation --adjoint wide.npy".into(),
-            json!({"mode": "backward", "params": ["second.rotation"], "adjoint": "wide.npy", "sensor": 1}),
+            json!({"mode": "backward", "params": ["second.rotation"], "adjoint": "wide.npy", "sensor": 1, "resolution": "40x30"}),
         ),
     ];
     let jobs: Vec<_> = cases

@@ -54,9 +54,9 @@ fn bad_lines_fail_alone() {
             "resolution: each side",
         ),
         (
-            job(r#""mode":"render","resolution":"8x8""#),
+            job(r#""mode":"render","resolution":"8 by 8""#),
             3,
-            "resolution: invalid type",
+            "resolution: write width x height",
         ),
         (
             job(r#""mode":"render","resolution":[65536,65536]"#),
