@@ -70,6 +70,7 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         method: Method::Reparam,
         backend: Backend::default(),
         standard_error: true,
+        groups: None,
     };
     let statistics =
         methods::forward(&scene, &settings, &[(parameter, numbers)], &Quiet)?.statistics;

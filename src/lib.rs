@@ -1,9 +1,10 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → bench → cli`.
+//! `lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → bench → batch → cli`.
 
 pub mod adjoint;
+pub mod batch;
 pub mod bench;
 pub mod cli;
 pub mod gradient;

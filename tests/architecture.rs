@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
 /// Each module may use those before it.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 14] = [
     "lanes", "picture", "scene", "trace", "kernels", "adjoint", "warp", "paths", "gradient",
-    "methods", "output", "bench", "cli",
+    "methods", "output", "bench", "batch", "cli",
 ];
 
 /// Modules that may use less than the order allows.

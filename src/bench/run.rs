@@ -269,6 +269,7 @@ impl Bench<'_> {
             method: Method::Reparam,
             backend,
             standard_error: true,
+            groups: None,
         };
         let mut rays: u64 = 0;
         let passes = self.plan.budget.repeat(|| {

@@ -2,20 +2,20 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
+use crate::batch::settings::MOST_SAMPLES;
+use crate::batch::shard::ShardChoice;
 use crate::trace::Backend;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use std::path::PathBuf;
 
-/// Camera paths per pixel; more are better had from several seeds.
-pub const MOST_SAMPLES: u32 = 1 << 20;
-
 const EXIT_CODES: &str = "Exit codes:
   0         done
   1         a check said no
   2         wrong usage
-  3         the input is bad: scene, parameter, mesh, image
+  3         the input is bad: scene, parameter, mesh, image, job
   4         the world failed: files, memory
+  5         a batch finished, some of its jobs failed
   130, 143  interrupted; what was finished is on disk";
 
 const EXAMPLES: &str = "Examples:
@@ -23,7 +23,8 @@ const EXAMPLES: &str = "Examples:
   warpath params scenes/shadow.xml
   warpath forward scenes/shadow.xml --param ball.translation=1,0,0 --spp 64
   warpath backward scenes/shadow.xml --param ball.vertex_positions --target photo.exr --loss l2
-  warpath check scenes/shadow.xml --param ball.translation=1,0,0";
+  warpath check scenes/shadow.xml --param ball.translation=1,0,0
+  warpath batch jobs.jsonl -o out/jobs --resume";
 
 /// Gradients of path-traced images, through visibility, on the CPU.
 ///
@@ -87,6 +88,21 @@ pub enum Command {
     /// bench.svg. Times are those of an otherwise idle machine only if it is one.
     #[command(after_help = "Example: warpath bench --triangles 20000 --seconds 0.1 -o out/bench")]
     Bench(BenchArguments),
+    /// Runs many jobs: renderings and gradients, one JSON object a line
+    ///
+    /// Scenes are loaded once, jobs share all threads, and nothing that is finished is lost. Writes results.jsonl, a
+    /// folder for each job and report.json. With - as the file it answers lines of standard input, each with a line
+    /// on standard output, until there are no more.
+    #[command(
+        after_help = "Example: warpath batch jobs.jsonl -o out/jobs --resume\nExample: srun -n 4 warpath batch jobs.jsonl --shard auto -o 'out/{shard}'"
+    )]
+    Batch(BatchArguments),
+    /// Puts the shards of a batch together
+    ///
+    /// Collects jobs, or adds up their samples: exactly, however many shards there were. Exit code 1 if they are not
+    /// all the shards of one batch.
+    #[command(after_help = "Example: warpath merge out/1-of-2 out/2-of-2 -o out/all")]
+    Merge(MergeArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -249,6 +265,59 @@ pub struct BenchArguments {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub talk: TalkArguments,
+}
+
+/// `warpath batch`
+#[derive(Debug, Args)]
+pub struct BatchArguments {
+    /// File with a job a line, or - for standard input
+    #[arg(required_unless_present = "schema")]
+    pub jobs: Option<PathBuf>,
+    /// Directory for the results; {shard} in it becomes I-of-N [default: out/batch-JOBS]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Goes on with the results that are there; what failed is tried again
+    #[arg(long)]
+    pub resume: bool,
+    /// Threads [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// Memory that scenes and jobs may take
+    #[arg(long, value_name = "AMOUNT", value_parser = values::memory, default_value = "50%")]
+    pub memory: values::Memory,
+    /// Does one part of N; auto asks Slurm, Open MPI, PMI or Kubernetes which (auto/N where they do not tell N)
+    #[arg(long, value_name = "I/N|auto", value_parser = values::shard)]
+    pub shard: Option<ShardChoice>,
+    /// What shards share out
+    #[arg(long, value_enum, default_value_t = SplitName::Jobs, requires = "shard")]
+    pub split: SplitName,
+    /// Prints the JSON schema of a job
+    #[arg(long, exclusive = true)]
+    pub schema: bool,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath merge`
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// Folders of all shards of a batch
+    #[arg(required = true, value_name = "DIR")]
+    pub shards: Vec<PathBuf>,
+    /// Directory for the results
+    #[arg(short, long, value_name = "DIR", default_value = "out/merged")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// What shards share out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SplitName {
+    /// Jobs
+    Jobs,
+    /// The samples of every job
+    Samples,
 }
 
 /// How stderr is written.

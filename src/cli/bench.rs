@@ -4,8 +4,8 @@ use super::arguments::BenchArguments;
 use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
-use super::report::peak_memory_bytes;
 use super::signals::Signals;
+use crate::batch::memory;
 use crate::bench::cases::Case;
 use crate::bench::meshes::Class;
 use crate::bench::{self, Budget, Plan, Results, chart, table};
@@ -67,7 +67,7 @@ pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure
         "arguments": typed.iter().skip(1).map(|a| a.to_string_lossy()).collect::<Vec<_>>(),
         "threads": threads,
         "seconds": {"total": started.elapsed().as_secs_f64()},
-        "peak_memory_bytes": peak_memory_bytes(),
+        "peak_memory_bytes": memory::peak(),
         "files": ["bench.json", "bench.svg", "report.json"],
     });
     put(&directory, "report.json", &format!("{report:#}\n"))?;

@@ -2,11 +2,11 @@
 
 use super::arguments::CheckArguments;
 use super::comparison::{Comparison, z_scores};
-use super::direction::{self, Direction};
 use super::exit::Failure;
 use super::replicates::Replicates;
 use super::session::{self, Session};
 use super::verdict::{Circumstances, SIGNIFICANT, Transposition, Verdict, judge};
+use crate::batch::direction::{self, Direction};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
 use crate::scene::Filter;

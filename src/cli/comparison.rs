@@ -190,33 +190,6 @@ fn largest_magnitude(replicates: &Replicates) -> f64 {
     magnitudes.fold(0.0, f64::max)
 }
 
-/// The root of the mean square over pixels and channels.
-pub fn rms(image: &Image) -> f64 {
-    let sum: f64 = image
-        .pixels
-        .iter()
-        .flatten()
-        .map(|v| (*v as f64).powi(2))
-        .sum();
-    (sum / (3 * image.pixels.len()).max(1) as f64).sqrt()
-}
-
-/// The standard error of the mean of independent, equally weighted estimates, number by number.
-pub fn standard_error(groups: &[Vec<f32>]) -> Vec<f32> {
-    let n = groups.len() as f64;
-    let numbers = groups.first().map_or(0, Vec::len);
-    (0..numbers)
-        .map(|i| {
-            let mean = groups.iter().map(|group| group[i] as f64).sum::<f64>() / n;
-            let squares: f64 = groups
-                .iter()
-                .map(|group| (group[i] as f64 - mean).powi(2))
-                .sum();
-            (squares / (n - 1.0) / n).sqrt() as f32
-        })
-        .collect()
-}
-
 #[cfg(test)]
 #[path = "comparison_tests.rs"]
 mod tests;

@@ -131,13 +131,3 @@ fn noise_alone_is_no_signal() {
     assert!(!c.reference_is_significant, "{c:?}");
     assert!(c.blocks.significance < 4.0, "{c:?}");
 }
-
-#[test]
-fn the_standard_error_is_that_of_the_mean() {
-    let groups: Vec<Vec<f32>> = (0..16).map(|g| vec![g as f32, 1.0]).collect();
-    let se = standard_error(&groups);
-    assert!(
-        (se[0] - 4.760_952_3 / 4.0).abs() < 1e-5 && se[1] == 0.0,
-        "{se:?}"
-    );
-}

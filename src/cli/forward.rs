@@ -3,9 +3,9 @@
 use super::arguments::ForwardArguments;
 use super::exit::Failure;
 use super::session::{self, Session};
-use super::{comparison, direction};
+use crate::batch::direction;
 use crate::methods;
-use crate::output::{chart, exr, npy};
+use crate::output::{gradients, results};
 use serde_json::json;
 use std::ffi::OsString;
 
@@ -37,27 +37,17 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
         |scene, settings, progress| methods::forward(scene, settings, &direction, progress),
         |forward| &forward.statistics,
     )?;
-    session.write("gradient.exr", |path| exr::write(path, &done.gradient))?;
-    session.write("gradient.npy", |path| {
-        npy::write_image(path, &done.gradient)
-    })?;
-    session.write("gradient.png", |path| {
-        chart::write(path, &done.gradient, chart::robust_scale(&done.gradient))
-    })?;
-    session.report.results.insert(
-        "gradient_rms".into(),
-        json!(comparison::rms(&done.gradient)),
-    );
+    for file in results::forward(&done) {
+        session.write(file.name, |path| file.write(path))?;
+    }
+    let mut found = |key: &str, image| {
+        let rms = json!(gradients::rms(image));
+        session.report.results.insert(key.into(), rms);
+    };
+    found("gradient_rms", &done.gradient);
     match &done.stderr {
-        Some(stderr) => {
-            session.write("stderr.npy", |path| npy::write_image(path, stderr))?;
-            session
-                .report
-                .results
-                .insert("stderr_rms".into(), json!(comparison::rms(stderr)));
-        }
+        Some(stderr) => found("stderr_rms", stderr),
         None => session.warn_of_leftover("stderr.npy"),
     }
-    session.write("image.exr", |path| exr::write(path, &done.image))?;
     session.close()
 }

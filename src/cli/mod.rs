@@ -2,14 +2,16 @@
 
 pub mod arguments;
 mod backward;
+mod batch;
+mod batch_progress;
 mod bench;
 mod check;
 mod comparison;
 mod completions;
-mod direction;
 mod exit;
 mod forward;
 mod log;
+mod merge;
 mod params;
 mod progress;
 mod render;
@@ -29,7 +31,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 4] = ["optimize", "batch", "merge", "study"];
+const NOT_BUILT_YET: [&str; 2] = ["optimize", "study"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -48,6 +50,8 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Backward(backward) => backward::run(backward, typed),
         Command::Check(check) => check::run(check, typed),
         Command::Bench(bench) => bench::run(bench, typed),
+        Command::Batch(batch) => batch::run(batch, typed),
+        Command::Merge(merge) => merge::run(merge),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -73,6 +77,8 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Backward(a) => Log::new(&a.trace.talk),
         Command::Check(a) => Log::new(&a.trace.talk),
         Command::Bench(a) => Log::new(&a.talk),
+        Command::Batch(a) => Log::new(&a.talk),
+        Command::Merge(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }

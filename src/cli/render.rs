@@ -4,7 +4,7 @@ use super::arguments::RenderArguments;
 use super::exit::Failure;
 use super::session::Session;
 use crate::methods;
-use crate::output::{exr, png};
+use crate::output::results;
 use std::ffi::OsString;
 
 /// Renders and writes `image.exr` and `image.png`.
@@ -12,7 +12,8 @@ pub fn run(arguments: &RenderArguments, typed: &[OsString]) -> Result<(), Failur
     let mut session = Session::open("render", &arguments.trace, typed, None, false)?;
     let settings = session.settings.clone();
     let rendering = session.trace("render", &settings, methods::render, |r| &r.statistics)?;
-    session.write("image.exr", |path| exr::write(path, &rendering.image))?;
-    session.write("image.png", |path| png::write_image(path, &rendering.image))?;
+    for file in results::rendered(&rendering.image) {
+        session.write(file.name, |path| file.write(path))?;
+    }
     session.close()
 }

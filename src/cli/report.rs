@@ -128,22 +128,3 @@ fn add<T: Copy + Default + std::ops::AddAssign>(
         *sums.entry(name.into()).or_default() += term;
     }
 }
-
-/// The most memory the process has held, where the system tells.
-pub fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024)
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn the_system_tells_the_peak_memory() {
-        assert!(super::peak_memory_bytes().is_some_and(|bytes| bytes > 100_000));
-    }
-}

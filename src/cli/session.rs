@@ -1,11 +1,13 @@
 //! What all commands that trace rays share: loading, settings, the output directory, the report.
 
-use super::arguments::{MOST_SAMPLES, MethodName, SceneArguments, TraceArguments};
+use super::arguments::{MethodName, SceneArguments, TraceArguments};
 use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
-use super::report::{Report, SceneReport, peak_memory_bytes};
+use super::report::{Report, SceneReport};
 use super::signals::Signals;
+use crate::batch::memory;
+use crate::batch::settings::{self, Wishes};
 use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
 use crate::output::{FileError, atomic};
 use crate::scene::{self, Scene};
@@ -16,9 +18,6 @@ use std::time::Instant;
 
 /// More warnings than this about a scene are counted, not printed; the report has them all.
 const WARNINGS_PRINTED: usize = 10;
-
-/// Pixels of an image.
-const MOST_PIXELS: u64 = 1 << 28;
 
 /// One run of a command, from the loaded scene to the written report.
 pub struct Session {
@@ -50,11 +49,20 @@ impl Session {
         let signals = Signals::watch();
         let log = Log::new(&trace.talk);
         let scene = load(&trace.scene, log)?;
-        let settings = settings(trace, &scene, method.unwrap_or_default(), standard_error)?;
-        let resolution = settings
-            .resolution
-            .unwrap_or(scene.sensors[settings.sensor].film.crop_size);
-        check_size(&settings, resolution)?;
+        let wishes = Wishes {
+            sensor: trace.scene.sensor,
+            spp: trace.spp,
+            seed: trace.seed,
+            max_depth: trace.max_depth,
+            resolution: trace.resolution,
+            method: method.unwrap_or_default(),
+            backend: trace.backend,
+            standard_error,
+            groups: None,
+            threads: threads(trace.threads),
+        };
+        let settings = wishes.settle(&scene)?;
+        let resolution = settings::size(&settings, &scene);
         let mut report = Report::new(
             command,
             describe(&trace.scene, &scene),
@@ -146,7 +154,7 @@ impl Session {
             self.log.note(note);
         }
         self.report.files.push("report.json".into());
-        self.report.peak_memory_bytes = peak_memory_bytes();
+        self.report.peak_memory_bytes = memory::peak();
         self.report
             .spend("total", self.started.elapsed().as_secs_f64());
         let text = serde_json::to_string_pretty(&self.report)
@@ -195,25 +203,8 @@ pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
             scene.warnings.len() - WARNINGS_PRINTED
         ));
     }
-    if arguments.sensor >= scene.sensors.len() {
-        let ids: Vec<&str> = scene
-            .sensors
-            .iter()
-            .map(|sensor| sensor.id.as_str())
-            .collect();
-        return Err(Failure::Input(format!(
-            "--sensor {}: the scene has {}, counted from 0: {}",
-            arguments.sensor,
-            counted(ids.len(), "sensor"),
-            ids.join(", ")
-        )));
-    }
+    settings::check_sensor(&scene, arguments.sensor)?;
     Ok(scene)
-}
-
-/// `1 sensor`, `2 sensors`.
-pub fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 /// The method behind a name, refusing those that are still to come.
@@ -233,46 +224,9 @@ pub fn method(name: MethodName) -> Result<Method, Failure> {
     }
 }
 
-fn settings(
-    trace: &TraceArguments,
-    scene: &Scene,
-    method: Method,
-    standard_error: bool,
-) -> Result<Settings, Failure> {
-    let sensor = &scene.sensors[trace.scene.sensor];
-    let threads = match trace.threads {
-        Some(threads) => threads,
-        None => std::thread::available_parallelism().map_or(1, |cores| cores.get()),
-    };
-    Ok(Settings {
-        spp: trace.spp.unwrap_or(sensor.sample_count).max(1),
-        seed: trace.seed.unwrap_or(sensor.seed.into()),
-        threads,
-        max_depth: trace.max_depth.unwrap_or(scene.integrator.max_depth),
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-        sensor: trace.scene.sensor,
-        resolution: trace.resolution,
-        method,
-        backend: trace.backend,
-        standard_error,
-    })
-}
-
-/// Refuses what no machine's memory holds.
-fn check_size(settings: &Settings, [width, height]: [u32; 2]) -> Result<(), Failure> {
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(Failure::Input(format!(
-            "{width}x{height} pixels are too many: at most {MOST_PIXELS}; --resolution changes it"
-        )));
-    }
-    if settings.spp > MOST_SAMPLES {
-        return Err(Failure::Input(format!(
-            "{} samples a pixel are too many: at most {MOST_SAMPLES}; --spp changes it",
-            settings.spp
-        )));
-    }
-    Ok(())
+/// As many as asked for, or the cores this process may use.
+pub fn threads(asked: Option<usize>) -> usize {
+    asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |cores| cores.get()))
 }
 
 fn describe(arguments: &SceneArguments, scene: &Scene) -> SceneReport {

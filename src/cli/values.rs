@@ -1,23 +1,11 @@
 //! How the values of options are written. Each function says what is wrong and what would be right.
 
-use std::path::PathBuf;
+use crate::batch::numbers::Numbers;
+use crate::batch::settings;
+use crate::batch::shard::ShardChoice;
 
-/// Largest width or height; past it a typing error is likelier than a wish.
-const LARGEST_SIDE: u32 = 65_536;
-
-/// A parameter key and the numbers of its tangent, not yet compared with any scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tangent {
-    pub key: String,
-    pub value: TangentValue,
-}
-
-/// Where a tangent's numbers come from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TangentValue {
-    Numbers(Vec<f32>),
-    File(PathBuf),
-}
+/// A parameter's key with its tangent.
+pub type Tangent = (String, Numbers);
 
 /// `KEY=1,0,0.3` or `KEY=@file.npy`.
 pub fn tangent(text: &str) -> Result<Tangent, String> {
@@ -27,10 +15,10 @@ pub fn tangent(text: &str) -> Result<Tangent, String> {
     let key = non_empty_key(key)?;
     let value = match value.strip_prefix('@') {
         Some("") => return Err("no file is named after '@'".into()),
-        Some(file) => TangentValue::File(file.into()),
-        None => TangentValue::Numbers(value.split(',').map(finite).collect::<Result<_, _>>()?),
+        Some(file) => Numbers::File(file.into()),
+        None => Numbers::list(value.split(',').map(finite).collect::<Result<_, _>>()?),
     };
-    Ok(Tangent { key, value })
+    Ok((key, value))
 }
 
 /// A key alone: reverse mode takes no direction.
@@ -68,14 +56,7 @@ pub fn definition(text: &str) -> Result<(String, String), String> {
 
 /// `WxH`.
 pub fn resolution(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || "write width x height, as in 640x480".to_string();
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
-    let side = |text: &str| match text.parse::<u32>() {
-        Ok(n) if (1..=LARGEST_SIDE).contains(&n) => Ok(n),
-        Ok(_) => Err(format!("each side is from 1 to {LARGEST_SIDE} pixels")),
-        Err(_) => Err(wrong()),
-    };
-    Ok([side(width)?, side(height)?])
+    settings::resolution(text)
 }
 
 /// A number of segments, or -1.
@@ -106,6 +87,47 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// `I/N`, `auto` or `auto/N`.
+pub fn shard(text: &str) -> Result<ShardChoice, String> {
+    text.parse()
+}
+
+/// Bytes: `8G`, `500M`, or a part of the machine's, `50%`.
+pub fn memory(text: &str) -> Result<Memory, String> {
+    let wrong = || {
+        "write an amount as in 8G or 500M, or a part of the machine's memory as in 50%".to_string()
+    };
+    let split = text
+        .find(|c: char| !c.is_ascii_digit() && c != '.')
+        .unwrap_or(text.len());
+    let number: f64 = text[..split].parse().map_err(|_| wrong())?;
+    let bytes = |exponent: i32| match number * 1024f64.powi(exponent) {
+        bytes if bytes >= 1024f64.powi(2) && bytes < 1e18 => Ok(Memory::Bytes(bytes as u64)),
+        _ => Err("at least 1M is needed".to_string()),
+    };
+    match text[split..]
+        .trim()
+        .trim_end_matches(['b', 'B'])
+        .trim_end_matches('i')
+    {
+        "%" if number > 0.0 && number <= 100.0 => Ok(Memory::Share(number / 100.0)),
+        "" => bytes(0),
+        "k" | "K" => bytes(1),
+        "m" | "M" => bytes(2),
+        "g" | "G" => bytes(3),
+        "t" | "T" => bytes(4),
+        _ => Err(wrong()),
+    }
+}
+
+/// How much memory may be taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Memory {
+    Bytes(u64),
+    /// Of the machine's.
+    Share(f64),
+}
+
 /// A share of a whole.
 pub fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -120,15 +142,12 @@ mod tests {
 
     #[test]
     fn tangents_are_numbers_or_files() {
-        let numbers = |text| tangent(text).map(|t| t.value);
+        let numbers = |text| tangent(text).map(|t| t.1);
         assert_eq!(
             numbers("a.b=1, -2e1,0.5"),
-            Ok(TangentValue::Numbers(vec![1.0, -20.0, 0.5]))
+            Ok(Numbers::list(vec![1.0, -20.0, 0.5]))
         );
-        assert_eq!(
-            numbers("a.b=@c=d.npy"),
-            Ok(TangentValue::File("c=d.npy".into()))
-        );
+        assert_eq!(numbers("a.b=@c=d.npy"), Ok(Numbers::File("c=d.npy".into())));
         for wrong in [
             "a.b", "=1", "a=", "a=1,,2", "a=nan", "a=1,inf", "a=1e99", "a=@", "a=x",
         ] {
@@ -143,6 +162,12 @@ mod tests {
             "640", "0x4", "4x", "x4", "-1x4", "4x4x4", "70000x1", "4.5x4",
         ] {
             assert!(resolution(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(memory("8G"), Ok(Memory::Bytes(8 << 30)));
+        assert_eq!(memory("1.5GiB"), Ok(Memory::Bytes(3 << 29)));
+        assert_eq!(memory("25%"), Ok(Memory::Share(0.25)));
+        for wrong in ["", "G", "0", "-1G", "101%", "8X", "nan", "1e99G"] {
+            assert!(memory(wrong).is_err(), "{wrong}");
         }
         assert_eq!(depth("-1"), Ok(u32::MAX));
         for wrong in ["0", "-2", "x", "99999999999"] {

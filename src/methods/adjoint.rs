@@ -1,9 +1,10 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
-use super::stage::{GroupImages, Stage, StageClock};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
 use super::{
-    BackwardGradient, EngineError, Image, Method, Objective, Progress, Settings, Statistics,
-    refusals,
+    BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
+    Settings, Statistics, refusals,
 };
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
@@ -12,7 +13,7 @@ use crate::paths::film::{Block, gather_point, gather_row};
 use crate::paths::rays::from_lanes;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
-use crate::scene::{Rgb, Scene, SceneDifferential};
+use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -23,17 +24,22 @@ const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// d objective/d(everything in `request`).
 pub fn backward(
-    scene: &Scene,
+    prepared: &Prepared,
     settings: &Settings,
     request: &SceneDifferential,
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
+    let scene = prepared.scene;
     refusals::check(scene, request, settings.method)?;
-    let mut statistics = Statistics::default();
-    let (loss, adjoint, image) = evaluate(scene, settings, objective, progress, &mut statistics)?;
+    let Evaluation {
+        loss,
+        adjoint,
+        image,
+        mut statistics,
+    } = evaluate(prepared, settings, objective, progress)?;
     let visibility = settings.method == Method::Reparam && request.moves_edges(scene);
-    let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(request);
     check_size(&adjoint, stage.size)?;
 
@@ -61,7 +67,7 @@ pub fn backward(
             traced.splat(&traced.image.radiance, &mut block);
             let free = scratch.lock().map_or(None, |mut s| s.pop());
             let mut tile_sums =
-                free.unwrap_or_else(|| TileSums::new(scene, &stage.geometry, &wanted));
+                free.unwrap_or_else(|| TileSums::new(scene, &stage.parts.geometry, &wanted));
             let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
             clock.add_adjoint(start);
             if let Ok(mut scratch) = scratch.lock() {
@@ -70,11 +76,12 @@ pub fn backward(
             (block, gradient, traced.counts)
         },
         |group, (block, gradient, tile_counts)| {
-            if sums.len() == group as usize {
-                sums.push(FilmSums::new(scene, &stage.geometry, &wanted));
+            let own = (group - stage.own_groups().start) as usize;
+            if sums.len() == own {
+                sums.push(FilmSums::new(scene, &stage.parts.geometry, &wanted));
             }
             images.add(group, &block);
-            sums[group as usize].add(&gradient);
+            sums[own].add(&gradient);
             counts += tile_counts;
         },
     )?;
@@ -83,12 +90,12 @@ pub fn backward(
 
     let groups: Vec<SceneDifferential> = sums
         .into_iter()
-        .map(|s| s.finish(scene, &stage.geometry, &stage.camera, request))
+        .map(|s| s.finish(scene, &stage.parts.geometry, &stage.camera, request))
         .collect();
     let gradient = SceneDifferential::mean(&groups);
     let own = stage.image(images.finish().0);
     let (loss, image) = match objective {
-        Objective::Adjoint(adjoint) => (product(&own, adjoint), own),
+        Objective::Adjoint(adjoint) => (inner_product(&own, adjoint), own),
         _ => (loss, image.unwrap_or(own)),
     };
     Ok(BackwardGradient {
@@ -101,29 +108,33 @@ pub fn backward(
 }
 
 /// The objective's value and derivative by the image, and the image they were taken at.
-fn evaluate(
-    scene: &Scene,
+pub fn evaluate(
+    prepared: &Prepared,
     settings: &Settings,
     objective: &Objective,
     progress: &dyn Progress,
-    statistics: &mut Statistics,
-) -> Result<(f64, Image, Option<Image>), EngineError> {
+) -> Result<Evaluation, EngineError> {
     let (target, is_l1) = match objective {
-        Objective::Adjoint(adjoint) => return Ok((0.0, (*adjoint).clone(), None)),
+        Objective::Adjoint(adjoint) => {
+            return Ok(Evaluation {
+                loss: 0.0,
+                adjoint: (*adjoint).clone(),
+                image: None,
+                statistics: Statistics::default(),
+            });
+        }
         Objective::L1(target) => (target, true),
         Objective::L2(target) => (target, false),
     };
     let settings = Settings {
         seed: settings.seed ^ OBJECTIVE_SEED,
+        // Whoever does a part of the samples needs the same whole image.
+        groups: None,
         ..settings.clone()
     };
-    let rendering = super::render(scene, &settings, progress)?;
-    for (kind, count) in rendering.statistics.rays {
-        *statistics.rays.entry(kind).or_default() += count;
-    }
-    for (stage, seconds) in rendering.statistics.seconds {
-        *statistics.seconds.entry(stage).or_default() += seconds;
-    }
+    let rendering = super::primal::render(prepared, &settings, progress)?;
+    let mut statistics = Statistics::default();
+    statistics.absorb(&rendering.statistics);
     let image = rendering.image;
     check_size(target, [image.width, image.height])?;
     let scale = 1.0 / (3 * image.pixels.len()) as f64;
@@ -154,7 +165,12 @@ fn evaluate(
         height: image.height,
         pixels,
     };
-    Ok((loss, adjoint, Some(image)))
+    Ok(Evaluation {
+        loss,
+        adjoint,
+        image: Some(image),
+        statistics,
+    })
 }
 
 fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineError> {
@@ -167,7 +183,8 @@ fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineEr
     )))
 }
 
-fn product(a: &Image, b: &Image) -> f64 {
+/// The sum over pixels and channels of the products: the value of [`Objective::Adjoint`].
+pub fn inner_product(a: &Image, b: &Image) -> f64 {
     a.pixels
         .iter()
         .flatten()

@@ -5,7 +5,9 @@
 //! ends because θ moved is a jump that no derivative has.
 
 use super::primal::group_images;
-use super::{EngineError, ForwardGradient, Image, Progress, Settings, Statistics};
+use super::{
+    EngineError, ForwardGradient, Image, Prepared, Progress, Settings, Statistics, Workers,
+};
 use crate::paths::camera::Camera;
 use crate::scene::parameters::{Parameter, displace, tangent};
 use crate::scene::{Rgb, Scene};
@@ -20,6 +22,7 @@ const STEP_ROOM: f64 = 0.2;
 /// The gradient image along `direction`, by differences.
 pub fn forward(
     scene: &Scene,
+    workers: &Workers,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
@@ -47,8 +50,10 @@ pub fn forward(
             part: part as u64,
             parts: offsets.len() as u64,
         };
+        let prepared = Prepared::with_workers(&moved, workers, settings.backend)?;
+        statistics.spend("build", prepared.build_seconds);
         let (images, image_size) =
-            group_images(&moved, &settings, &part_progress, &mut statistics)?;
+            group_images(&prepared, &settings, &part_progress, &mut statistics)?;
         size = image_size;
         groups.resize(images.len(), vec![[0.0; 3]; size[0] * size[1]]);
         mean.resize(size[0] * size[1], [0.0; 3]);

@@ -2,12 +2,14 @@
 
 mod adjoint;
 mod differences;
+mod groups;
+mod prepared;
 mod primal;
 mod refusals;
 mod stage;
 mod tangent;
 
-use crate::scene::parameters::{self, Parameter};
+use crate::scene::parameters::Parameter;
 use crate::scene::{Scene, SceneDifferential, SceneError};
 use crate::trace::Backend;
 use std::collections::BTreeMap;
@@ -57,6 +59,17 @@ pub struct Settings {
     pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.
     pub standard_error: bool,
+    /// In place of the groups that standard errors need.
+    pub groups: Option<Groups>,
+}
+
+/// How the samples are parted into independent groups, each with a lattice and random numbers of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Groups {
+    /// Divides the number of samples a pixel.
+    pub count: u32,
+    /// The one group to do, if not all are: the others are done elsewhere.
+    pub only: Option<u32>,
 }
 
 /// A linear RGB image, row by row from the top left.
@@ -78,6 +91,8 @@ pub struct Statistics {
     pub rejected: BTreeMap<&'static str, u64>,
     /// Seconds, by stage.
     pub seconds: BTreeMap<&'static str, f64>,
+    /// What the threads spent in tiles, added up over threads: the computation without what surrounds it.
+    pub tile_seconds: f64,
     /// Remarks for the user.
     pub notes: Vec<String>,
 }
@@ -144,12 +159,38 @@ pub enum EngineError {
     Failed(String),
 }
 
-pub use primal::render;
+/// An objective at the present parameters.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// Its value; 0 for [`Objective::Adjoint`], whose value is known after its backward pass.
+    pub loss: f64,
+    /// Its derivative by the image.
+    pub adjoint: Image,
+    /// The image it was measured on, if one had to be rendered for that.
+    pub image: Option<Image>,
+    pub statistics: Statistics,
+}
+
+pub use adjoint::inner_product;
+pub use groups::{GroupMean, equal_groups, group_count};
+pub use prepared::{Edits, Parts, Prepared, Workers, views};
 
 impl From<SceneError> for EngineError {
     fn from(error: SceneError) -> Self {
         EngineError::Refused(error.to_string())
     }
+}
+
+/// Renders the image.
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Rendering, EngineError> {
+    let prepared = Prepared::new(scene, settings)?;
+    let mut done = prepared.render(settings, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
 }
 
 /// Forward mode: the derivative of the image along one direction in parameter space.
@@ -160,14 +201,14 @@ pub fn forward(
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     if settings.method == Method::Fd {
-        return differences::forward(scene, settings, direction, progress);
+        // Every image is of another scene: this one need not be prepared.
+        let workers = Workers::new(settings.threads)?;
+        return differences::forward(scene, &workers, settings, direction, progress);
     }
-    let named: Vec<(&str, &[f32])> = direction
-        .iter()
-        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-        .collect();
-    let tangent = parameters::tangent(scene, &named, settings.sensor)?;
-    tangent::forward(scene, settings, &tangent, progress)
+    let prepared = Prepared::new(scene, settings)?;
+    let mut done = prepared.forward(settings, direction, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
 }
 
 /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
@@ -178,6 +219,8 @@ pub fn backward(
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
-    let request = parameters::wanted(scene, wanted, settings.sensor)?;
-    adjoint::backward(scene, settings, &request, objective, progress)
+    let prepared = Prepared::new(scene, settings)?;
+    let mut done = prepared.backward(settings, wanted, objective, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
 }

@@ -1,16 +1,17 @@
 //! The image itself.
 
-use super::stage::{GroupImages, Stage};
-use super::{EngineError, Progress, Rendering, Settings, Statistics};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
+use super::{EngineError, Prepared, Progress, Rendering, Settings, Statistics};
 use crate::paths::film::Block;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
-use crate::scene::{Rgb, Scene};
+use crate::scene::Rgb;
 use std::time::Instant;
 
 /// Renders the image.
 pub fn render(
-    scene: &Scene,
+    prepared: &Prepared,
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Rendering, EngineError> {
@@ -19,7 +20,7 @@ pub fn render(
         standard_error: false,
         ..settings.clone()
     };
-    let stage = Stage::new(scene, &settings, false, &mut statistics)?;
+    let stage = Stage::new(prepared, &settings, false, &mut statistics)?;
     let mut images = GroupImages::new(&stage);
     trace(&stage, progress, &mut statistics, |group, block| {
         images.add(group, block)
@@ -30,12 +31,12 @@ pub fn render(
 
 /// Images of each group of samples, for finite differences.
 pub fn group_images(
-    scene: &Scene,
+    prepared: &Prepared,
     settings: &Settings,
     progress: &dyn Progress,
     statistics: &mut Statistics,
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
-    let stage = Stage::new(scene, settings, false, statistics)?;
+    let stage = Stage::new(prepared, settings, false, statistics)?;
     let pixels = stage.size[0] * stage.size[1];
     let mut images = vec![vec![[0.0; 3]; pixels]; stage.groups as usize];
     let width = stage.size[0];
@@ -51,16 +52,18 @@ fn trace(
     statistics: &mut Statistics,
     mut merge: impl FnMut(u32, &Block),
 ) -> Result<(), EngineError> {
-    let start = Instant::now();
+    let clock = StageClock::start();
     let tracer = stage.tracer();
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
         |group, index| {
+            let start = Instant::now();
             let tile = stage.lattice.tile(index, group, stage.seed);
             let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, |_, _| false);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
+            clock.add_primal(start);
             (block, traced.counts)
         },
         |group, (block, tile_counts)| {
@@ -69,6 +72,6 @@ fn trace(
         },
     )?;
     statistics.add_counts(&counts);
-    statistics.add_seconds("primal", start);
+    clock.stop_primal(statistics);
     Ok(())
 }

@@ -1,23 +1,20 @@
-//! What every method sets up: geometry, acceleration structure, lights, film, and threads that work through tiles.
+//! What every method sets up for one image: camera, film, groups of samples, and the way through their tiles.
 
-use super::{EngineError, Image, Progress, Settings, Statistics, refusals};
+use super::groups::group_count;
+use super::{
+    EngineError, Groups, Image, Parts, Prepared, Progress, Settings, Statistics, Workers, refusals,
+};
 use crate::paths::camera::Camera;
-use crate::paths::film::{Block, FilmFilter};
+use crate::paths::film::FilmFilter;
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
-use crate::paths::materials::MaterialTable;
-use crate::paths::sky::Sky;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
 use crate::scene::{Film, Rgb, Scene, SceneDifferential};
-use crate::trace::geometry::Geometry;
-use crate::trace::{Accel, AccelOptions, MeshView};
 use crate::warp::adjacency::Adjacency;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-/// Independent groups of samples behind a standard error, at least.
-const MIN_GROUPS: u32 = 4;
 
 /// Tiles handed to the threads at once, a thread: their results wait in memory until they are added in order.
 const TILES_PER_THREAD: usize = 8;
@@ -25,12 +22,9 @@ const TILES_PER_THREAD: usize = 8;
 /// Everything that does not depend on a direction in parameter space.
 pub struct Stage<'a> {
     pub scene: &'a Scene,
-    pub geometry: Geometry,
-    pub accel: Accel,
-    pub lights: Lights,
-    pub materials: MaterialTable,
-    pub sky: Option<Sky>,
-    pub adjacency: Option<Adjacency>,
+    pub parts: Parts,
+    /// Whether silhouettes are asked for.
+    visibility: bool,
     pub camera: Camera,
     pub lattice: Lattice,
     pub filter: FilmFilter,
@@ -39,19 +33,20 @@ pub struct Stage<'a> {
     /// Independent groups of `spp / groups` samples.
     pub groups: u32,
     pub seed: u64,
-    pool: rayon::ThreadPool,
-    threads: usize,
+    only: Option<u32>,
+    workers: Workers,
 }
 
 impl<'a> Stage<'a> {
-    /// Builds; `visibility`: silhouettes will be asked for.
+    /// `visibility`: silhouettes will be asked for.
     pub fn new(
-        scene: &'a Scene,
+        prepared: &Prepared<'a>,
         settings: &Settings,
         visibility: bool,
         statistics: &mut Statistics,
     ) -> Result<Self, EngineError> {
         let start = Instant::now();
+        let (scene, parts) = (prepared.scene, prepared.parts.clone());
         if settings.spp == 0 {
             return Err(EngineError::Refused(
                 "at least one sample a pixel is needed: --spp 1 or more".into(),
@@ -74,34 +69,21 @@ impl<'a> Stage<'a> {
                 film.filter.radius()
             )));
         }
-        let threads = settings.threads.max(1);
-        let failed = |e: &dyn std::fmt::Display| EngineError::Failed(e.to_string());
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| failed(&e))?;
-        let geometry = Geometry::new(scene);
-        let views: Vec<MeshView> = scene
-            .meshes
-            .iter()
-            .map(|m| MeshView {
-                positions: &m.positions,
-                triangles: &m.triangles,
-            })
-            .collect();
-        let options = AccelOptions::new(true, threads).on(settings.backend);
-        let accel = Accel::build(&views, options).map_err(|e| failed(&e))?;
-        let lights = Lights::new(scene, &geometry, false);
-        let sky = scene.environment.as_ref().and_then(|e| {
-            let map = e.map.as_ref()?;
-            Some(Sky::new(&scene.textures[e.radiance], map))
+        if visibility {
+            let pool = &prepared.workers.pool;
+            let make = || pool.install(|| Adjacency::new(&parts.geometry));
+            parts.adjacency.get_or_init(make);
+        }
+        let Groups {
+            count: groups,
+            only,
+        } = settings.groups.unwrap_or(Groups {
+            count: match settings.standard_error {
+                true => group_count(settings.spp),
+                false => 1,
+            },
+            only: None,
         });
-        let adjacency = visibility.then(|| pool.install(|| Adjacency::new(&geometry)));
-        let groups = if settings.standard_error {
-            group_count(settings.spp)
-        } else {
-            1
-        };
         let border = if film.sample_border {
             FilmFilter::border(film.filter)
         } else {
@@ -112,12 +94,8 @@ impl<'a> Stage<'a> {
         statistics.add_seconds("build", start);
         Ok(Self {
             scene,
-            geometry,
-            accel,
-            lights,
-            materials: MaterialTable::new(scene),
-            sky,
-            adjacency,
+            parts,
+            visibility,
             camera: Camera::new(&sensor),
             lattice,
             filter,
@@ -130,8 +108,8 @@ impl<'a> Stage<'a> {
             size: film.crop_size.map(|s| s as usize),
             groups,
             seed: settings.seed,
-            pool,
-            threads,
+            only,
+            workers: prepared.workers.clone(),
         })
     }
 
@@ -144,7 +122,7 @@ impl<'a> Stage<'a> {
             .iter()
             .any(|l| request.texels[l.radiance].is_some())
         {
-            self.lights = Lights::new(self.scene, &self.geometry, true);
+            self.parts.lights = Arc::new(Lights::new(self.scene, &self.parts.geometry, true));
         }
     }
 
@@ -152,14 +130,17 @@ impl<'a> Stage<'a> {
     pub fn tracer(&self) -> Tracer<'_> {
         Tracer {
             scene: self.scene,
-            geometry: &self.geometry,
-            accel: &self.accel,
-            lights: &self.lights,
-            materials: &self.materials,
-            sky: self.sky.as_ref(),
+            geometry: &self.parts.geometry,
+            accel: &self.parts.accel,
+            lights: &self.parts.lights,
+            materials: &self.parts.materials,
+            sky: self.parts.sky.as_deref(),
             camera: self.camera,
             limits: self.limits,
-            adjacency: self.adjacency.as_ref(),
+            adjacency: match self.visibility {
+                true => self.parts.adjacency.get(),
+                false => None,
+            },
         }
     }
 
@@ -172,13 +153,14 @@ impl<'a> Stage<'a> {
         mut merge: impl FnMut(u32, T),
     ) -> Result<(), EngineError> {
         let tiles = self.lattice.tile_count();
-        let total = tiles * self.groups as usize;
-        let jobs: Vec<usize> = (0..total).collect();
-        for chunk in jobs.chunks(TILES_PER_THREAD * self.threads) {
+        let groups = self.own_groups();
+        let (first, total) = (tiles * groups.start as usize, tiles * groups.len());
+        let jobs: Vec<usize> = (first..first + total).collect();
+        for chunk in jobs.chunks(TILES_PER_THREAD * self.workers.threads) {
             if progress.cancelled() {
                 return Err(EngineError::Interrupted);
             }
-            let results: Vec<(u32, T)> = self.pool.install(|| {
+            let results: Vec<(u32, T)> = self.workers.pool.install(|| {
                 chunk
                     .par_iter()
                     .with_max_len(1)
@@ -193,9 +175,17 @@ impl<'a> Stage<'a> {
             for (group, result) in results {
                 merge(group, result);
             }
-            progress.advance(chunk[chunk.len() - 1] as u64 + 1, total as u64);
+            progress.advance((chunk[chunk.len() - 1] + 1 - first) as u64, total as u64);
         }
         Ok(())
+    }
+
+    /// The groups that are done here.
+    pub fn own_groups(&self) -> std::ops::Range<u32> {
+        match self.only {
+            Some(group) => group..group + 1,
+            None => 0..self.groups,
+        }
     }
 
     /// An image of this stage's size.
@@ -205,75 +195,6 @@ impl<'a> Stage<'a> {
             height: self.size[1],
             pixels,
         }
-    }
-}
-
-/// The smallest number of equal groups that is at least [`MIN_GROUPS`], or one sample each.
-pub fn group_count(spp: u32) -> u32 {
-    (MIN_GROUPS..=spp)
-        .find(|g| spp.is_multiple_of(*g))
-        .unwrap_or(spp)
-}
-
-/// The mean of several groups' images, and its standard error.
-pub struct GroupImages {
-    width: usize,
-    group: Option<u32>,
-    current: Vec<Rgb>,
-    sum: Vec<[f64; 3]>,
-    squares: Vec<[f64; 3]>,
-    groups: u32,
-}
-
-impl GroupImages {
-    pub fn new(stage: &Stage) -> Self {
-        let pixels = stage.size[0] * stage.size[1];
-        Self {
-            width: stage.size[0],
-            group: None,
-            current: vec![[0.0; 3]; pixels],
-            sum: vec![[0.0; 3]; pixels],
-            squares: vec![[0.0; 3]; if stage.groups > 1 { pixels } else { 0 }],
-            groups: stage.groups,
-        }
-    }
-
-    /// Adds a tile's part to the image of `group`; groups come one after another.
-    pub fn add(&mut self, group: u32, block: &Block) {
-        if self.group != Some(group) {
-            self.close();
-            self.group = Some(group);
-        }
-        block.add_to(&mut self.current, self.width);
-    }
-
-    fn close(&mut self) {
-        for (i, pixel) in self.current.iter_mut().enumerate() {
-            for c in 0..3 {
-                let value = pixel[c] as f64;
-                self.sum[i][c] += value;
-                if let Some(squares) = self.squares.get_mut(i) {
-                    squares[c] += value * value;
-                }
-            }
-            *pixel = [0.0; 3];
-        }
-    }
-
-    /// Mean and standard error (if there are several groups).
-    pub fn finish(mut self) -> (Vec<Rgb>, Option<Vec<Rgb>>) {
-        self.close();
-        let n = self.groups as f64;
-        let mean = self.sum.iter().map(|s| s.map(|x| (x / n) as f32)).collect();
-        let error = (self.groups > 1).then(|| {
-            let se = |s: f64, q: f64| (((q - s * s / n) / (n - 1.0)).max(0.0) / n).sqrt() as f32;
-            self.sum
-                .iter()
-                .zip(&self.squares)
-                .map(|(s, q)| std::array::from_fn(|c| se(s[c], q[c])))
-                .collect()
-        });
-        (mean, error)
     }
 }
 
@@ -306,6 +227,12 @@ impl StageClock {
             .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
     }
 
+    /// As [`StageClock::stop`], of a sweep that only traced.
+    pub fn stop_primal(self, statistics: &mut Statistics) {
+        statistics.add_seconds("primal", self.started);
+        statistics.tile_seconds += self.primal_ns.into_inner() as f64 * 1e-9;
+    }
+
     /// Hands the time since the start to the stages.
     pub fn stop(self, statistics: &mut Statistics) {
         let seconds = self.started.elapsed().as_secs_f64();
@@ -314,15 +241,36 @@ impl StageClock {
             self.adjoint_ns.into_inner() as f64,
         );
         let share = primal / (primal + adjoint).max(1.0);
-        *statistics.seconds.entry("primal").or_default() += seconds * share;
-        *statistics.seconds.entry("adjoint").or_default() += seconds * (1.0 - share);
+        statistics.spend("primal", seconds * share);
+        statistics.spend("adjoint", seconds * (1.0 - share));
+        statistics.tile_seconds += (primal + adjoint) * 1e-9;
     }
 }
 
 impl Statistics {
+    /// Adds to a stage's time.
+    pub fn spend(&mut self, stage: &'static str, seconds: f64) {
+        *self.seconds.entry(stage).or_default() += seconds;
+    }
+
     /// Adds the time since `start` to a stage.
     pub fn add_seconds(&mut self, stage: &'static str, start: Instant) {
-        *self.seconds.entry(stage).or_default() += start.elapsed().as_secs_f64();
+        self.spend(stage, start.elapsed().as_secs_f64());
+    }
+
+    /// Adds what another run did, but for its remarks.
+    pub fn absorb(&mut self, other: &Statistics) {
+        for (&stage, &seconds) in &other.seconds {
+            self.spend(stage, seconds);
+        }
+        for (&kind, &count) in &other.rays {
+            *self.rays.entry(kind).or_default() += count;
+        }
+        self.silhouettes += other.silhouettes;
+        for (&cause, &count) in &other.rejected {
+            *self.rejected.entry(cause).or_default() += count;
+        }
+        self.tile_seconds += other.tile_seconds;
     }
 
     /// Adds what tiles counted.

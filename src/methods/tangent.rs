@@ -1,35 +1,39 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
-use super::stage::{GroupImages, Stage, StageClock};
-use super::{EngineError, ForwardGradient, Method, Progress, Settings, Statistics, refusals};
+use super::groups::GroupImages;
+use super::stage::{Stage, StageClock};
+use super::{
+    EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
+};
 use crate::gradient::forward::ForwardSweep;
 use crate::gradient::motion::Motion;
 use crate::lanes::LANES;
 use crate::paths::film::Block;
 use crate::paths::tile::{TracedTile, to_rgb};
 use crate::paths::tracer::Counts;
-use crate::scene::{Scene, SceneDifferential};
+use crate::scene::SceneDifferential;
 use std::time::Instant;
 
 /// dI/dθ along `tangent`, with its standard error.
 pub fn forward(
-    scene: &Scene,
+    prepared: &Prepared,
     settings: &Settings,
     tangent: &SceneDifferential,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
+    let scene = prepared.scene;
     refusals::check(scene, tangent, settings.method)?;
     let visibility = settings.method == Method::Reparam && tangent.moves_edges(scene);
-    let mut stage = Stage::new(scene, settings, visibility, &mut statistics)?;
+    let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(tangent);
-    let motion = Motion::new(scene, &stage.geometry, tangent);
+    let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let tracer = stage.tracer();
     let sweep = ForwardSweep::new(&tracer, &motion, visibility);
     let moves = |a: u32, b: u32| {
         motion.camera.is_some()
-            || motion.moves(&stage.geometry, a)
-            || motion.moves(&stage.geometry, b)
+            || motion.moves(&stage.parts.geometry, a)
+            || motion.moves(&stage.parts.geometry, b)
     };
 
     let clock = StageClock::start();

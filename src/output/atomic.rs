@@ -26,6 +26,30 @@ pub fn write(
     })
 }
 
+/// As [`write`], and returns once the file would survive a power cut.
+pub fn write_durably(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), FileError> {
+    write(path, |writer| {
+        fill(writer)?;
+        writer.flush()?;
+        writer.get_ref().sync_data()
+    })?;
+    sync_directory(path.parent().unwrap_or(Path::new(".")))
+}
+
+/// Sees to it that what was made, renamed and removed in a directory stays so after a power cut.
+pub fn sync_directory(directory: &Path) -> Result<(), FileError> {
+    let directory = match directory.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => directory,
+    };
+    File::open(directory)
+        .and_then(|file| file.sync_all())
+        .map_err(|error| FileError::io(directory, plain(&error)))
+}
+
 /// Makes the directory and proves that files can be made in it, so that a long run does not end in
 /// finding out that they cannot.
 pub fn prepare_directory(directory: &Path) -> Result<(), FileError> {

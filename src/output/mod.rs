@@ -5,9 +5,11 @@ pub mod chart;
 pub mod colormap;
 pub mod exr;
 pub mod glyphs;
+pub mod gradients;
 pub mod npy;
 pub mod picture;
 pub mod png;
+pub mod results;
 pub mod tensors;
 
 use std::path::PathBuf;

@@ -1,9 +1,10 @@
 //! Named gradients: safetensors for machine learning, npz for NumPy.
 
 use super::{FileError, atomic, npy};
+use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, TensorView};
 use std::io::{self, Cursor, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -36,6 +37,51 @@ pub fn write_safetensors(path: &Path, tensors: &[Tensor]) -> Result<(), FileErro
         .and_then(|views| safetensors::serialize(views, None))
         .map_err(|error| FileError::io(path, error))?;
     atomic::write(path, |writer| writer.write_all(&file))
+}
+
+/// A `.safetensors` file in memory.
+pub struct Tensors {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl Tensors {
+    /// Reads a file.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let bytes = std::fs::read(path)
+            .map_err(|error| FileError::contents(path, atomic::plain(&error)))?;
+        let path = path.to_path_buf();
+        Ok(Self { path, bytes })
+    }
+
+    /// The tensor of this name, as 32-bit floats.
+    pub fn get(&self, name: &str) -> Result<Tensor, FileError> {
+        let wrong = |what: String| FileError::contents(&self.path, what);
+        let file = SafeTensors::deserialize(&self.bytes)
+            .map_err(|error| wrong(format!("not a readable .safetensors file: {error}")))?;
+        let Ok(view) = file.tensor(name) else {
+            let mut has: Vec<&str> = file.names();
+            has.sort_unstable();
+            let has = has.join(", ");
+            return Err(wrong(format!("no tensor \"{name}\"; it has {has}")));
+        };
+        let values = match view.dtype() {
+            Dtype::F32 => {
+                let parts = view.data().as_chunks::<4>().0.iter();
+                parts.map(|part| f32::from_le_bytes(*part)).collect()
+            }
+            Dtype::F64 => {
+                let parts = view.data().as_chunks::<8>().0.iter();
+                parts.map(|part| f64::from_le_bytes(*part) as f32).collect()
+            }
+            other => return Err(wrong(format!("its numbers are {other:?}; use F32 or F64"))),
+        };
+        Ok(Tensor {
+            name: name.into(),
+            shape: view.shape().to_vec(),
+            values,
+        })
+    }
 }
 
 /// Writes the tensors as one uncompressed `.npz` archive, without dates so that equal runs give equal bytes.

@@ -30,6 +30,8 @@ pub struct Taps {
 impl FilmFilter {
     pub fn new(filter: Filter, size: [u32; 2], lattice: &Lattice) -> Self {
         let radius = filter.radius();
+        // That of all pixels but those near the film's border.
+        let whole = filter.integral(-radius, radius);
         let normalisation = std::array::from_fn(|i| {
             (0..size[i])
                 .map(|j| {
@@ -38,6 +40,9 @@ impl FilmFilter {
                         lattice.start[i] as f64 - centre,
                         lattice.end[i] as f64 - centre,
                     );
+                    if from <= -radius && to >= radius {
+                        return 1.0 / whole;
+                    }
                     1.0 / filter.integral(from.max(-radius), to.min(radius))
                 })
                 .collect()

@@ -8,6 +8,7 @@ mod exr;
 #[cfg(feature = "oiio")]
 mod ffi;
 mod format;
+mod header;
 mod jpeg_end;
 #[cfg(feature = "oiio")]
 pub mod oiio;
@@ -17,6 +18,7 @@ mod size;
 mod srgb;
 
 pub use error::PictureError;
+pub use header::size_of;
 pub use srgb::srgb_to_linear;
 
 use format::Format;

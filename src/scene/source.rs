@@ -95,7 +95,7 @@ pub fn read_file(files: &dyn FileSource, path: &Path) -> Result<Vec<u8>, SceneEr
 
 /// FNV-1a, 64 bits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fnv1a(pub u64);
+pub struct Fnv1a(pub u64);
 
 impl Default for Fnv1a {
     fn default() -> Self {

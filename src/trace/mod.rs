@@ -16,6 +16,7 @@ pub mod geometry;
 mod obvhs;
 mod packet;
 pub mod pattern;
+pub mod tightness;
 
 pub use accel::{Accel, AccelOptions, MeshView, TraceError};
 pub use backend::{Backend, EmbreeIsa, EmbreeQuality, ObvhsPreset, ObvhsTree};

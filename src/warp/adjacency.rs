@@ -34,6 +34,17 @@ impl Adjacency {
         Self { twin }
     }
 
+    /// The same after vertices of the meshes marked in `moved` have moved, which may weld or part them.
+    pub fn with_moved(&self, geometry: &Geometry, moved: &[bool]) -> Self {
+        let mut twin = self.twin.clone();
+        for mesh in (0..moved.len()).filter(|&mesh| moved[mesh]) {
+            let half_edge = |m: usize| 3 * geometry.first_triangle[m] as usize;
+            twin[half_edge(mesh)..half_edge(mesh + 1)].fill(NONE);
+            link_mesh(geometry, mesh, &mut twin);
+        }
+        Self { twin }
+    }
+
     /// The triangle across the edge that starts at `corner`, if there is exactly one.
     pub fn across(&self, triangle: u32, corner: usize) -> Option<Across> {
         let packed = self.twin[3 * triangle as usize + corner];

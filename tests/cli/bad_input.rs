@@ -51,7 +51,10 @@ fn bad_input_is_told() {
             "render s.xml --resolution 65536x65536".into(),
             "65536x65536 pixels are too many",
         ),
-        ("render s.xml -D count=4000000".into(), "--spp changes it"),
+        (
+            "render s.xml -D count=4000000".into(),
+            "4000000 samples a pixel are too many",
+        ),
         (
             "check s.xml --spp 1 --param floor.translation=1,0,0".into(),
             "raise --spp",
@@ -106,7 +109,7 @@ fn bad_input_is_told() {
         (target("short.npy"), "400 bytes"),
         (target("complex.npy"), "c8"),
         (adjoint("text.npy"), "not a NumPy array"),
-        (adjoint("small.npy"), "--resolution"),
+        (adjoint("small.npy"), "give another picture or resolution"),
         (
             adjoint("target.npy --resolution 4x4"),
             "8x6 pixels, the image rendered has 4x4",

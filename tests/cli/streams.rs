@@ -15,6 +15,8 @@ fn help_version_completions_and_man_go_to_stdout() {
         ("backward --help", "--adjoint"),
         ("check --help", "--tolerance"),
         ("params --help", "--json"),
+        ("batch --help", "--resume"),
+        ("merge --help", "shards"),
         ("completions bash", "complete -F _warpath"),
         ("completions zsh", "#compdef warpath"),
         ("completions fish", "complete -c warpath"),
@@ -44,6 +46,9 @@ fn the_man_page_knows_every_option() {
         "adjoint",
         "target",
         "tolerance",
+        "resume",
+        "shard",
+        "memory",
     ] {
         assert!(page.contains(&format!("\\-\\-{option}")), "{option}");
     }

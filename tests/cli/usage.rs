@@ -12,8 +12,6 @@ fn wrong_usage_is_told() {
             ("paint s.xml", 2, "unrecognized subcommand 'paint'"),
             ("rendr s.xml", 2, "render"),
             ("optimize c.toml", 2, "warpath optimize is not built yet"),
-            ("batch jobs.jsonl", 2, "warpath batch is not built yet"),
-            ("merge a b", 2, "warpath merge is not built yet"),
             ("study c.toml", 2, "warpath study is not built yet"),
             ("bench --seconds 0", 2, "a number of seconds"),
             ("bench --triangles 20000,few", 2, "few"),

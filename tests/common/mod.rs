@@ -40,6 +40,7 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         method,
         backend: Backend::default(),
         standard_error: false,
+        groups: None,
     }
 }
 

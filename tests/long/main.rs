@@ -3,9 +3,22 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod comparison;
+#[path = "../common/jobs.rs"]
+mod jobs;
+mod schedulers;
+#[path = "../cli/workplace.rs"]
+#[allow(dead_code)]
+mod workplace;
 
 /// Memory does not grow from 64 to 1024 samples.
 #[test]
 fn memory_at_many_samples() {
     common::memory::stays_small(&[64, 256, 1024], 3);
+}
+
+/// A batch that is killed fifty times.
+#[test]
+fn batches_killed_often() {
+    let directory = workplace::workplace();
+    jobs::survive_kills(directory.path(), 20, 50);
 }

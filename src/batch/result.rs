@@ -1,0 +1,91 @@
+//! What is said of a job when it has ended: a line of `results.jsonl`.
+
+use super::failure::Failure;
+use super::share::Share;
+use crate::methods::Statistics;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One result. Fields without a value are left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResultLine {
+    /// None if the line had no id that could be read.
+    pub id: Option<String>,
+    /// The line of the job in its file, or how many came before it on standard input, counted from 1.
+    pub line: usize,
+    /// A hash of the job's line: `--resume` and `merge` know by it that a job is the same.
+    pub job: String,
+    /// `ok` or `failed`.
+    pub status: String,
+    /// 0, or that of the program if the job were run alone.
+    pub code: u8,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// A hash of everything that was read of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene_hash: Option<String>,
+    /// Of a job that moves vertices: whether the acceleration structure was built anew, and not refitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rebuilt: Option<bool>,
+    /// Wall-clock seconds by stage, while other jobs ran beside this one; `total` from admission to the files.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub seconds: BTreeMap<String, f64>,
+    /// What the threads spent tracing and differentiating, added up over threads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thread_seconds: Option<f64>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rays: BTreeMap<String, u64>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub rejected: BTreeMap<String, u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<f64>,
+    /// The root of the sum of squares of each gradient, and of its standard error under `KEY#se`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub norms: BTreeMap<String, f64>,
+    /// Paths from the output directory.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
+    /// Of a job whose samples are shared out: which groups of them these are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<Share>,
+}
+
+impl ResultLine {
+    /// A job that did not get as far as having results.
+    pub fn failed(id: Option<String>, line: usize, job: String, failure: &Failure) -> Self {
+        Self {
+            id,
+            line,
+            job,
+            status: "failed".into(),
+            code: failure.code(),
+            message: Some(failure.to_string()),
+            ..Self::default()
+        }
+    }
+
+    /// Takes over what the engine counted.
+    pub fn absorb(&mut self, statistics: &Statistics) {
+        for (&stage, &seconds) in &statistics.seconds {
+            *self.seconds.entry(stage.into()).or_default() += seconds;
+        }
+        for (&kind, &count) in &statistics.rays {
+            *self.rays.entry(kind.into()).or_default() += count;
+        }
+        for (&cause, &count) in &statistics.rejected {
+            *self.rejected.entry(cause.into()).or_default() += count;
+        }
+        *self.thread_seconds.get_or_insert_default() += statistics.tile_seconds;
+    }
+
+    /// Whether the job's results are there.
+    pub fn is_ok(&self) -> bool {
+        self.status == "ok"
+    }
+
+    /// As it stands in the file, without the line's end.
+    pub fn text(&self) -> String {
+        // Strings, numbers and maps of them: there is nothing that could not be written.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}

@@ -1,0 +1,357 @@
+//! A batch: several jobs at a time, all on the same threads, until there are no more.
+
+use super::failure::Failure;
+use super::folder;
+use super::intake::{Entry, JobFile, Line, Register};
+use super::job::Job;
+use super::journal::Journal;
+use super::loaded::Loaded;
+use super::manifest::Manifest;
+use super::memory;
+use super::result::ResultLine;
+use super::shard::{Shard, Split};
+use super::share;
+use super::store::{SceneKey, Store};
+use super::stream::{Next, Stream};
+use super::summary::{Summary, Tally};
+use super::task::{Question, Stand};
+use crate::methods::{Progress, Workers};
+use crate::output::results::{self, ResultFile};
+use std::collections::BTreeMap;
+use std::io::{BufRead, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads busy.
+const SPARE_JOBS: usize = 2;
+
+/// How a batch is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    pub directory: PathBuf,
+    pub resume: bool,
+    pub threads: usize,
+    pub memory_bytes: u64,
+    pub shard: Option<Shard>,
+    pub split: Split,
+}
+
+/// Who is told how the batch goes. Several threads tell.
+pub trait Watch: Sync {
+    /// `total` jobs are to be run, or an unknown number; an earlier run has done `skipped`.
+    fn begin(&self, total: Option<usize>, skipped: usize);
+    /// Something has gone on: called often.
+    fn advance(&self, tally: &Tally);
+    /// A job has ended.
+    fn ended(&self, result: &ResultLine, tally: &Tally);
+    /// Whether the user wants to stop, and by which signal.
+    fn signal(&self) -> Option<u8>;
+}
+
+/// Runs the jobs of a file.
+pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
+    let (journal, earlier) = Journal::open(&options.directory, options.resume)?;
+    folder::sweep(&options.directory)?;
+    // Those who share samples all do all jobs.
+    let shard = options.shard.filter(|_| options.split == Split::Jobs);
+    let file = JobFile::read(path, shard, earlier)?;
+    Manifest::new(options, file.hash).write(&options.directory, options.resume)?;
+    watch.begin(Some(file.lines.len()), file.done);
+    let total = file.lines.len();
+    let lines = Mutex::new(file.lines);
+    let next = || locked(&lines).pop_front();
+    let batch = Batch::new(options, watch, journal, None, Some(total))?;
+    batch.run(&next, file.done)
+}
+
+/// Answers the lines of a stream one by one until it ends, each with a line on `output` as soon as it is done.
+pub fn of_stream(
+    input: impl BufRead + Send + 'static,
+    output: Box<dyn Write + Send>,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Summary, Failure> {
+    let (journal, earlier) = Journal::open(&options.directory, options.resume)?;
+    folder::sweep(&options.directory)?;
+    watch.begin(None, 0);
+    let lines = Mutex::new(Stream::new(input, Register::new(earlier)));
+    let batch = Batch::new(options, watch, journal, Some(output), None)?;
+    let skipped = AtomicU64::new(0);
+    let next = || {
+        while !batch.is_stopped() {
+            match locked(&lines).next() {
+                Next::Line(Entry::Run(line)) => return Some(line),
+                Next::Line(Entry::Done(text)) => {
+                    skipped.fetch_add(1, Ordering::Relaxed);
+                    batch.answer(&text);
+                }
+                Next::NotYet => {}
+                Next::End => return None,
+                Next::Failed(failure) => batch.stop(failure),
+            }
+        }
+        None
+    };
+    let mut summary = batch.run(&next, 0)?;
+    summary.skipped = skipped.into_inner() as usize;
+    Ok(summary)
+}
+
+struct Batch<'a> {
+    options: &'a Options,
+    watch: &'a dyn Watch,
+    workers: Workers,
+    store: Store,
+    journal: Mutex<Journal>,
+    output: Option<Mutex<Box<dyn Write + Send>>>,
+    tally: Tally,
+    /// What ends the whole batch.
+    fatal: Mutex<Option<Failure>>,
+    stopped: AtomicBool,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Jobs that panic do it outside of these locks; what they guard is whole.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl<'a> Batch<'a> {
+    fn new(
+        options: &'a Options,
+        watch: &'a dyn Watch,
+        journal: Journal,
+        output: Option<Box<dyn Write + Send>>,
+        total: Option<usize>,
+    ) -> Result<Self, Failure> {
+        let workers =
+            Workers::new(options.threads).map_err(|error| Failure::from_engine(error, None))?;
+        Ok(Self {
+            options,
+            watch,
+            store: Store::new(options.memory_bytes, workers.clone()),
+            workers,
+            journal: Mutex::new(journal),
+            output: output.map(Mutex::new),
+            tally: Tally::start(total),
+            fatal: Mutex::new(None),
+            stopped: AtomicBool::new(false),
+        })
+    }
+
+    /// Runs lines until there are none.
+    fn run(
+        &self,
+        next: &(dyn Fn() -> Option<Line> + Sync),
+        skipped: usize,
+    ) -> Result<Summary, Failure> {
+        let started = Instant::now();
+        let processor = memory::processor_seconds();
+        let summary = Mutex::new(Summary::default());
+        std::thread::scope(|scope| {
+            for _ in 0..self.options.threads + SPARE_JOBS {
+                scope.spawn(|| {
+                    while !self.is_stopped() {
+                        let Some(line) = next() else { return };
+                        let Some(result) = self.result_of(line) else {
+                            return;
+                        };
+                        if let Err(failure) = self.record(&result) {
+                            self.stop(failure);
+                            return;
+                        }
+                        locked(&summary).add(&result);
+                        self.tally.end(&result);
+                        self.watch.ended(&result, &self.tally);
+                    }
+                });
+            }
+        });
+        if let Some(failure) = locked(&self.fatal).take() {
+            return Err(failure);
+        }
+        if let Some(signal) = self.watch.signal() {
+            return Err(Failure::Interrupted(signal));
+        }
+        let mut summary = summary.into_inner().unwrap_or_else(PoisonError::into_inner);
+        summary.skipped = skipped;
+        summary.seconds = started.elapsed().as_secs_f64();
+        summary.threads = self.options.threads;
+        summary.scene_loads = self.store.loads();
+        summary.memory_bytes = self.options.memory_bytes;
+        summary.peak_memory_bytes = memory::peak();
+        let used = memory::processor_seconds().zip(processor);
+        summary.processor_seconds = used.map(|(now, then)| now - then);
+        Ok(summary)
+    }
+
+    fn stop(&self, failure: Failure) {
+        self.stopped.store(true, Ordering::Relaxed);
+        locked(&self.fatal).get_or_insert(failure);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed) || self.watch.signal().is_some()
+    }
+
+    /// The line is on the disk before anyone is told of it.
+    fn record(&self, result: &ResultLine) -> Result<(), Failure> {
+        let text = result.text();
+        locked(&self.journal).append(&text)?;
+        self.answer(&text);
+        Ok(())
+    }
+
+    fn answer(&self, text: &str) {
+        let Some(output) = &self.output else { return };
+        let mut output = locked(output);
+        let told = writeln!(output, "{text}").and_then(|()| output.flush());
+        if let Err(error) = told {
+            self.stop(error.into());
+        }
+    }
+
+    /// Runs a job; `None` if it was interrupted.
+    fn result_of(&self, line: Line) -> Option<ResultLine> {
+        let run = || self.run_job(&line);
+        let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
+            // The panic has told its place on stderr. The other jobs have nothing to do with it.
+            Err(Failure::World(
+                "a fault in warpath ended this job; please report it".into(),
+            ))
+        });
+        match ended {
+            Ok(result) => Some(result),
+            Err(Failure::Interrupted(_)) if self.is_stopped() => None,
+            Err(failure) => {
+                let mut failure = ResultLine::failed(line.id, line.number, line.hash, &failure);
+                let message = failure.message.take().unwrap_or_default();
+                failure.message = Some(format!("line {}: {message}", line.number));
+                Some(failure)
+            }
+        }
+    }
+
+    fn run_job(&self, line: &Line) -> Result<ResultLine, Failure> {
+        if let Some(refusal) = &line.refusal {
+            return Err(refusal.clone());
+        }
+        let job = Job::parse(&line.text)?;
+        let threads = self.options.threads;
+        let wishes = job.wishes(threads);
+        let key = SceneKey {
+            path: job.scene.clone(),
+            defines: job.definitions(),
+        };
+        let shared = self
+            .options
+            .shard
+            .filter(|_| self.options.split == Split::Samples);
+        let waited = Instant::now();
+        let bytes = |loaded: &Loaded| {
+            let settings = wishes.settle(&loaded.scene)?;
+            let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
+            Ok(memory::of_job(&loaded.scene, &settings, &job, kept as u64))
+        };
+        let admission = self.store.admit(&key, bytes, &|| self.is_stopped())?;
+        let mut result = ResultLine {
+            id: Some(job.id.clone()),
+            line: line.number,
+            job: line.hash.clone(),
+            status: "ok".into(),
+            ..ResultLine::default()
+        };
+        let admitted = Instant::now();
+        let mut spend = |stage: &str, seconds: f64| {
+            *result.seconds.entry(stage.to_string()).or_default() += seconds;
+        };
+        let loaded = &*admission.loaded;
+        spend("wait", (admitted - waited).as_secs_f64());
+        if admission.was_loaded {
+            spend("load", loaded.load_seconds);
+            spend("build", loaded.build_seconds);
+        }
+        let stand = Stand::new(&job, loaded, threads)?;
+        let settings = wishes.settle(stand.scene())?;
+        let question = Question::new(&job, stand.scene(), &settings)?;
+        let prepared = stand.prepare(&self.workers);
+        spend("prepare", admitted.elapsed().as_secs_f64());
+        result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
+        result.rebuilt = stand.is_rebuilt();
+        let progress = JobProgress {
+            batch: self,
+            told: AtomicU64::new(0),
+        };
+        match shared {
+            Some(shard) => {
+                let partial =
+                    share::answer(&job, &question, shard, &prepared, &settings, &progress)?;
+                drop(prepared);
+                stand.finish();
+                result.absorb(&partial.statistics);
+                result.loss = partial.loss;
+                if !partial.tensors.is_empty() {
+                    let file = results::partial(share::PARTIAL, &partial.tensors);
+                    self.write(&job, &[file], &mut result)?;
+                }
+                result.share = Some(partial.share);
+            }
+            None => {
+                let done = question.answer(&prepared, &settings, &progress)?;
+                drop(prepared);
+                stand.finish();
+                result.absorb(&done.statistics);
+                result.loss = done.loss;
+                result.norms = done.results.norms().into_iter().collect::<BTreeMap<_, _>>();
+                let mut files = done.results.files();
+                files.retain(|file| job.writes(file.name));
+                self.write(&job, &files, &mut result)?;
+            }
+        }
+        let total = admitted.elapsed().as_secs_f64();
+        result.seconds.insert("total".into(), total);
+        Ok(result)
+    }
+
+    fn write(
+        &self,
+        job: &Job,
+        files: &[ResultFile],
+        result: &mut ResultLine,
+    ) -> Result<(), Failure> {
+        let start = Instant::now();
+        result.files = folder::write(&self.options.directory, &job.id, files)?;
+        let seconds = start.elapsed().as_secs_f64();
+        result.seconds.insert("write".into(), seconds);
+        Ok(())
+    }
+}
+
+/// How far one job is, as a part of the batch.
+struct JobProgress<'a, 'b> {
+    batch: &'b Batch<'a>,
+    /// Millionths of this job that the tally knows of.
+    told: AtomicU64,
+}
+
+impl Progress for JobProgress<'_, '_> {
+    fn advance(&self, done: u64, total: u64) {
+        let now = 1_000_000 * done / total.max(1);
+        let before = self.told.fetch_max(now, Ordering::Relaxed);
+        self.batch.tally.go_on(now.saturating_sub(before));
+        self.batch.watch.advance(&self.batch.tally);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.batch.is_stopped()
+    }
+}
+
+impl Drop for JobProgress<'_, '_> {
+    /// The whole job is told when it has ended.
+    fn drop(&mut self) {
+        self.batch.tally.take_back(*self.told.get_mut());
+    }
+}

@@ -1,0 +1,90 @@
+//! The groups of a job's samples, added up in their order.
+
+use super::failure::Failure;
+use super::job::Mode;
+use super::share::{Share, of_group};
+use super::task::Results;
+use crate::methods::{ForwardGradient, GroupMean, Image};
+use crate::output::gradients;
+use crate::output::tensors::{Tensor, Tensors};
+use std::collections::BTreeMap;
+
+/// All groups of a job.
+pub struct Sum<'a> {
+    pub share: &'a Share,
+    pub files: Vec<Tensors>,
+    /// The file of each group.
+    pub owner: BTreeMap<u32, usize>,
+}
+
+impl Sum<'_> {
+    /// The results, and the adjoint if the job had one.
+    pub fn results(&self) -> Result<(Results, Option<Image>), Failure> {
+        match self.share.mode {
+            Mode::Render => Ok((Results::Image(self.mean("image")?.0), None)),
+            Mode::Forward => {
+                let (image, _) = self.mean("image")?;
+                let (gradient, stderr) = self.mean("gradient")?;
+                let done = ForwardGradient {
+                    image,
+                    gradient,
+                    stderr: stderr.filter(|_| self.share.stderr),
+                    ..ForwardGradient::default()
+                };
+                Ok((Results::Forward(Box::new(done)), None))
+            }
+            Mode::Backward => {
+                let first = &self.files[self.owner[&0]];
+                let mut gradients = Vec::new();
+                for key in &self.share.keys {
+                    let groups = self.groups(key)?;
+                    let shape = groups[0].shape.clone();
+                    let values: Vec<Vec<f32>> = groups.into_iter().map(|g| g.values).collect();
+                    gradients.extend(gradients::of_groups(
+                        key,
+                        &shape,
+                        &values,
+                        self.share.stderr,
+                    ));
+                }
+                let image = match first.get("image") {
+                    Ok(whole) => as_image(&whole),
+                    Err(_) => self.mean("image")?.0,
+                };
+                let adjoint = first.get("adjoint").ok().map(|a| as_image(&a));
+                Ok((Results::Backward { gradients, image }, adjoint))
+            }
+        }
+    }
+
+    /// A tensor of every group, in their order.
+    fn groups(&self, name: &str) -> Result<Vec<Tensor>, Failure> {
+        let of = |(group, file): (&u32, &usize)| self.files[*file].get(&of_group(name, *group));
+        Ok(self.owner.iter().map(of).collect::<Result<_, _>>()?)
+    }
+
+    fn mean(&self, name: &str) -> Result<(Image, Option<Image>), Failure> {
+        let groups: Vec<Image> = self.groups(name)?.iter().map(as_image).collect();
+        let (width, height) = (groups[0].width, groups[0].height);
+        let mut mean = GroupMean::new(width * height, self.share.groups);
+        for group in &groups {
+            mean.add(&group.pixels);
+        }
+        let (mean, error) = mean.finish();
+        let image = |pixels| Image {
+            width,
+            height,
+            pixels,
+        };
+        Ok((image(mean), error.map(image)))
+    }
+}
+
+fn as_image(tensor: &Tensor) -> Image {
+    let side = |axis: usize| tensor.shape.get(axis).copied().unwrap_or(0);
+    Image {
+        width: side(1),
+        height: side(0),
+        pixels: tensor.values.as_chunks::<3>().0.to_vec(),
+    }
+}

@@ -1,0 +1,96 @@
+//! A job gives the bytes of the command that does the same.
+
+use crate::jobs::{assert_same_files, result, run, write};
+use crate::workplace::workplace;
+use serde_json::json;
+
+#[test]
+fn a_job_gives_the_bytes_of_the_single_command() {
+    let directory = workplace();
+    let at = directory.path();
+    let common = "--spp 16 --seed 7 --resolution 40x30 --max-depth 3 -D filter=gaussian";
+    crate::workplace::npy(
+        at,
+        "wide.npy",
+        "<f4",
+        "(30, 40, 3)",
+        &crate::workplace::floats(3600, 0.4),
+    );
+    let shared = json!({
+        "scene": "s.xml", "spp": 16, "seed": 7, "resolution": [40, 30], "max_depth": 3,
+        "defines": {"filter": "gaussian"}
+    });
+    let cases = [
+        ("render", "render s.xml".to_string(), json!({"mode": "render"})),
+        (
+            "forward",
+            "forward s.xml --param cam.x_fov=2 --param card.translation=1,0,0.5".into(),
+            json!({"mode": "forward", "params": {"cam.x_fov": 2, "card.translation": [1, 0, 0.5]}}),
+        ),
+        (
+            "interior",
+            "forward s.xml --param card.scale=1 --method interior --no-stderr".into(),
+            json!({"mode": "forward", "params": {"card.scale": 1}, "method": "interior", "stderr": false}),
+        ),
+        (
+            "fd",
+            "forward s.xml --param card.translation=0,1,0 --method fd".into(),
+            json!({"mode": "forward", "params": {"card.translation": [0, 1, 0]}, "method": "fd"}),
+        ),
+        (
+            "target",
+            "backward s.xml --param card.vertex_positions --param env.radiance.value --target wide.npy --loss l1".into(),
+            json!({
+                "mode": "backward", "params": ["card.vertex_positions", "env.radiance.value"], "target": "wide.npy",
+                "loss": "l1"
+            }),
+        ),
+        (
+            "adjoint",
+            "backward s.xml --param card.rotation --adjoint wide.npy".into(),
+            json!({"mode": "backward", "params": ["card.rotation"], "adjoint": "wide.npy"}),
+        ),
+        (
+            "second",
+            "backward s.xml --sensor 1 --param second.rotation --adjoint wide.npy".into(),
+            json!({"mode": "backward", "params": ["second.rotation"], "adjoint": "wide.npy", "sensor": 1, "resolution": "40x30"}),
+        ),
+    ];
+    let jobs: Vec<_> = cases
+        .iter()
+        .map(|(id, _, job)| {
+            let mut whole = shared.clone();
+            whole["id"] = json!(id);
+            for (field, value) in job.as_object().unwrap() {
+                whole[field] = value.clone();
+            }
+            whole
+        })
+        .collect();
+    write(at, "jobs.jsonl", &jobs);
+    for threads in [1, 3] {
+        let output = format!("batch-{threads}");
+        run(at, &format!("batch jobs.jsonl -o {output} -t {threads}"), 0);
+        for (id, line, _) in &cases {
+            run(at, &format!("{line} {common} -o single -t 2 -q"), 0);
+            assert_same_files(&at.join("single"), &at.join(&output).join(id));
+            let report = std::fs::read(at.join("single/report.json")).unwrap();
+            let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+            let said = result(&at.join(&output), id);
+            assert_eq!(said["rays"], report["rays"], "{id}");
+            assert_eq!(said["scene_hash"], report["scene"]["hash"], "{id}");
+            assert_eq!(said["loss"], report["results"]["loss"], "{id}");
+            if let Some(norms) = report["results"].get("norms") {
+                assert_eq!(said["norms"], *norms, "{id}");
+            }
+            std::fs::remove_dir_all(at.join("single")).unwrap();
+        }
+        let report = std::fs::read(at.join(&output).join("report.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        assert_eq!(report["summary"]["jobs"], cases.len());
+        assert_eq!(
+            report["summary"]["scene_loads"], 1,
+            "one scene, loaded once"
+        );
+    }
+}

@@ -1,0 +1,136 @@
+//! Going on where an earlier run stopped.
+
+use crate::jobs::{assert_same_files, files, of_all_kinds, results, run, start, write};
+use crate::workplace::workplace;
+use serde_json::json;
+
+#[test]
+fn what_is_done_stays_and_the_rest_is_run() {
+    let directory = workplace();
+    let at = directory.path();
+    let jobs = of_all_kinds(10);
+    write(at, "jobs.jsonl", &jobs);
+    run(at, "batch jobs.jsonl -o whole", 0);
+    write(at, "jobs.jsonl", &jobs[..4]);
+    run(at, "batch jobs.jsonl -o parts", 0);
+    let first = std::fs::read_to_string(at.join("parts/results.jsonl")).unwrap();
+    // A kill leaves half a line, folders without a line, and folders that are not complete.
+    std::fs::write(
+        at.join("parts/results.jsonl"),
+        format!("{first}{{\"id\":\"job-4\","),
+    )
+    .unwrap();
+    std::fs::create_dir(at.join("parts/job-5")).unwrap();
+    std::fs::write(at.join("parts/job-5/image.exr"), "half").unwrap();
+    std::fs::create_dir(at.join("parts/.job-6.unfinished")).unwrap();
+    write(at, "jobs.jsonl", &jobs);
+    run(at, "batch jobs.jsonl -o parts --resume", 0);
+    let second = std::fs::read_to_string(at.join("parts/results.jsonl")).unwrap();
+    assert!(second.starts_with(&first));
+    assert_eq!(results(&at.join("parts")).len(), 10);
+    assert_same_files(&at.join("whole"), &at.join("parts"));
+    run(at, "batch jobs.jsonl -o parts --resume", 0);
+    let third = std::fs::read_to_string(at.join("parts/results.jsonl")).unwrap();
+    assert_eq!(second, third, "nothing was left to be done");
+}
+
+#[test]
+fn what_failed_is_tried_again_and_what_changed_is_refused() {
+    let directory = workplace();
+    let at = directory.path();
+    let job = |seed: u32| {
+        let good = json!({"id": "a", "mode": "render", "scene": "s.xml", "seed": seed});
+        [
+            good,
+            json!({"id": "b", "mode": "render", "scene": "later.xml"}),
+        ]
+    };
+    write(at, "jobs.jsonl", &job(1));
+    run(at, "batch jobs.jsonl -o out", 5);
+    std::fs::copy(at.join("s.xml"), at.join("later.xml")).unwrap();
+    run(at, "batch jobs.jsonl -o out --resume", 0);
+    let lines = results(&at.join("out"));
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    write(at, "jobs.jsonl", &job(2));
+    let out = run(at, "batch jobs.jsonl -o out --resume", 2);
+    let message = String::from_utf8_lossy(&out.stderr);
+    assert!(
+        message.contains("line 1: the results have another job a"),
+        "{message}"
+    );
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_batch_keeps_what_is_finished() {
+    let directory = workplace();
+    let at = directory.path();
+    let mut jobs = of_all_kinds(3);
+    jobs[2]["spp"] = json!(1_000_000);
+    write(at, "jobs.jsonl", &jobs);
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let output = at.join(signal);
+        let child = start(at, &format!("batch jobs.jsonl -o {signal} -t 2"));
+        let has_two = || {
+            let text = std::fs::read_to_string(output.join("results.jsonl"));
+            text.is_ok_and(|text| text.lines().count() == 2)
+        };
+        while !has_two() {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        let sent = std::process::Command::new("kill")
+            .args([&format!("-{signal}"), &child.id().to_string()])
+            .status();
+        assert!(sent.unwrap().success());
+        let out = child.wait_with_output().unwrap();
+        let message = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(code), "{message}");
+        assert!(message.ends_with("error: interrupted\n"), "{message}");
+        let folders: Vec<String> = files(&output).into_keys().collect();
+        assert!(
+            folders
+                .iter()
+                .all(|f| f.starts_with("job-0/") || f.starts_with("job-1/")),
+            "{folders:?}"
+        );
+    }
+}
+
+#[test]
+fn progress_is_told_as_events() {
+    let directory = workplace();
+    let at = directory.path();
+    let mut jobs = of_all_kinds(3);
+    jobs[1]["spp"] = json!(0);
+    write(at, "jobs.jsonl", &jobs);
+    let out = run(at, "batch jobs.jsonl -o out --log-format json --json", 5);
+    let lines = String::from_utf8(out.stderr).unwrap();
+    let events: Vec<serde_json::Value> = lines
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let progress = events
+        .iter()
+        .filter(|e| e["event"] == "progress")
+        .next_back()
+        .unwrap();
+    assert_eq!(
+        (&progress["done"], &progress["failed"], &progress["total"]),
+        (&json!(3), &json!(1), &json!(3))
+    );
+    assert!(
+        progress["jobs_per_second"].as_f64() > Some(0.0)
+            && progress["rays_per_second"].as_f64() > Some(0.0)
+    );
+    assert_eq!(progress["seconds_left"], 0.0);
+    let report: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let summary = &report["summary"];
+    assert_eq!(
+        (&summary["jobs"], &summary["failed"]),
+        (&json!(3), &json!(1))
+    );
+    assert_eq!(summary["slowest"].as_array().unwrap().len(), 2);
+    assert_eq!(summary["failures"][0]["code"], 3);
+    let written = std::fs::read(at.join("out/report.json")).unwrap();
+    assert_eq!(out.stdout, written);
+}

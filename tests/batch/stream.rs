@@ -1,0 +1,174 @@
+//! The worker on standard input.
+
+use crate::jobs::{of_all_kinds, results, run, write};
+use crate::workplace::{text, workplace};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+fn worker(at: &Path, rest: &str) -> (Child, ChildStdin, BufReader<ChildStdout>) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_warpath"))
+        .args(["batch", "-", "-o", "stream"])
+        .args(rest.split_whitespace())
+        .current_dir(at)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let input = child.stdin.take().unwrap();
+    let output = BufReader::new(child.stdout.take().unwrap());
+    (child, input, output)
+}
+
+fn ask(input: &mut ChildStdin, line: &str) {
+    writeln!(input, "{line}").unwrap();
+    input.flush().unwrap();
+}
+
+fn answer(output: &mut BufReader<ChildStdout>) -> Value {
+    let mut line = String::new();
+    output.read_line(&mut line).unwrap();
+    serde_json::from_str(&line).unwrap_or_else(|_| panic!("{line}"))
+}
+
+#[test]
+fn each_line_is_answered_before_the_next_is_sent() {
+    let directory = workplace();
+    let at = directory.path();
+    let (child, mut input, mut output) = worker(at, "-t 2");
+    for (number, job) in of_all_kinds(6).iter().enumerate() {
+        ask(&mut input, &job.to_string());
+        let said = answer(&mut output);
+        assert_eq!((&said["id"], &said["status"]), (&job["id"], &json!("ok")));
+        assert_eq!(said["line"], number + 1);
+        // The files are there, and so is the line, when the answer comes.
+        for file in said["files"].as_object().unwrap().values() {
+            assert!(at.join("stream").join(file.as_str().unwrap()).exists());
+        }
+        assert_eq!(results(&at.join("stream")).last(), Some(&said));
+    }
+    ask(&mut input, "rubbish");
+    let said = answer(&mut output);
+    assert_eq!(
+        (&said["id"], &said["code"], &said["line"]),
+        (&Value::Null, &json!(3), &json!(7))
+    );
+    ask(&mut input, &of_all_kinds(1)[0].to_string());
+    assert!(
+        answer(&mut output)["message"]
+            .as_str()
+            .unwrap()
+            .contains("line 1 already")
+    );
+    drop(input);
+    let out = child.wait_with_output().unwrap();
+    assert_eq!(out.status.code(), Some(5), "{}", text(&out.stderr));
+
+    // A second worker knows what the first has done.
+    let (child, mut input, mut output) = worker(at, "-q --resume");
+    ask(&mut input, &of_all_kinds(1)[0].to_string());
+    assert_eq!(answer(&mut output)["line"], 1);
+    drop(input);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    write(at, "jobs.jsonl", &of_all_kinds(6));
+    run(at, "batch jobs.jsonl -o file -q", 0);
+    for folder in 0..6 {
+        let folder = format!("job-{folder}");
+        crate::jobs::assert_same_files(
+            &at.join("file").join(&folder),
+            &at.join("stream").join(&folder),
+        );
+    }
+}
+
+#[test]
+fn a_scene_that_changes_is_loaded_again() {
+    let directory = workplace();
+    let at = directory.path();
+    let (child, mut input, mut output) = worker(at, "-q");
+    let job = |id: &str| json!({"id": id, "mode": "render", "scene": "s.xml"}).to_string();
+    ask(&mut input, &job("a"));
+    let before = answer(&mut output);
+    let scene = std::fs::read_to_string(at.join("s.xml")).unwrap();
+    std::fs::write(
+        at.join("s.xml"),
+        scene.replace("0.2, 0.5, 0.1", "0.2, 0.75, 0.1"),
+    )
+    .unwrap();
+    ask(&mut input, &job("b"));
+    let after = answer(&mut output);
+    assert_ne!(before["scene_hash"], after["scene_hash"]);
+    drop(input);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+}
+
+#[test]
+fn signals_and_closed_pipes_end_the_worker() {
+    let directory = workplace();
+    let at = directory.path();
+    let (child, mut input, mut output) = worker(at, "-q");
+    ask(&mut input, &of_all_kinds(1)[0].to_string());
+    answer(&mut output);
+    let sent = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+    // Standard input stays open: the worker must not wait for it.
+    let out = child.wait_with_output().unwrap();
+    assert_eq!(out.status.code(), Some(143), "{}", text(&out.stderr));
+    drop(input);
+    assert_eq!(results(&at.join("stream")).len(), 1);
+
+    let (child, mut input, output) = worker(at, "-q --resume");
+    drop(output);
+    ask(&mut input, &of_all_kinds(2)[1].to_string());
+    let out = child.wait_with_output().unwrap();
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(
+        results(&at.join("stream")).len(),
+        2,
+        "what was done is kept"
+    );
+}
+
+#[test]
+fn the_python_example_finds_its_way() {
+    let numpy = Command::new("python3")
+        .args(["-c", "import numpy"])
+        .output();
+    if !numpy.is_ok_and(|out| out.status.success()) {
+        println!("no python3 with numpy here: not tested");
+        return;
+    }
+    let program = "
+import sys; sys.path.insert(0, 'examples')
+import numpy as np, worker
+end = worker.main(sys.argv[1], 'scenes/demo.xml', 'occluder.translation', steps=8)
+assert np.linalg.norm(end) < 0.12, end
+with worker.Worker(sys.argv[1]) as w:
+    for i in range(3):
+        w.send(mode='forward', scene='scenes/demo.xml', params={'occluder.translation': [1, 0, 0]},
+               resolution=[16, 12], spp=4, seed=i)
+    for i in range(3):
+        result = w.receive()
+        assert w.array(result, 'gradient').shape == (12, 16, 3)
+        assert (w.array(result, 'stderr') > 0).any()
+    try:
+        w.run(mode='forward', scene='scenes/demo.xml')
+        raise SystemExit('a bad job passed')
+    except RuntimeError as error:
+        assert 'params' in str(error), error
+";
+    let out = Command::new("python3")
+        .args(["-c", program, env!("CARGO_BIN_EXE_warpath")])
+        .output()
+        .unwrap();
+    assert!(
+        out.status.success(),
+        "{}{}",
+        text(&out.stdout),
+        text(&out.stderr)
+    );
+}
