@@ -9,7 +9,6 @@ use warpath::trace::tightness::Tightness;
 use warpath::trace::{Accel, AccelOptions, Coherence, Hits, MeshView, Rays, all_lanes};
 
 #[path = "../tests/common/shapes.rs"]
-#[allow(dead_code)]
 mod shapes;
 use shapes::{Random, icosphere};
 

@@ -1,6 +1,8 @@
 //! A job's folder: there with all its files, or not at all.
 
 use super::failure::Failure;
+use super::journal::RESULTS;
+use super::manifest::{MANIFEST, REPORT};
 use crate::output::results::ResultFile;
 use crate::output::{FileError, atomic};
 use std::collections::BTreeMap;
@@ -9,6 +11,9 @@ use std::path::{Path, PathBuf};
 
 /// Ends the names of folders that are not complete.
 const UNFINISHED: &str = ".unfinished";
+
+/// The batch's own files, which are written under temporary names too, and the probe of its folder.
+const OWN_FILES: [&str; 4] = [RESULTS, MANIFEST, REPORT, "probe"];
 
 /// Writes the files into `directory/id`, and returns their paths from `directory` by their keys once they would
 /// survive a power cut.
@@ -77,8 +82,11 @@ pub fn sweep(directory: &Path) -> Result<(), Failure> {
         let entry = entry.map_err(failed(directory))?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
+        let begins = |file: &str| name.starts_with(&format!(".{file}."));
         if name.starts_with('.') && name.ends_with(UNFINISHED) {
             remove(&entry.path())?;
+        } else if OWN_FILES.into_iter().any(begins) && name.ends_with(".tmp") {
+            fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
         }
     }
     Ok(())

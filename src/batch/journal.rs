@@ -168,7 +168,7 @@ mod tests {
                 .iter()
                 .filter_map(|(r, _)| r.id.clone())
                 .collect();
-            assert_eq!(ids, ["a", "c"][..(whole + 1) / 2], "{cut}");
+            assert_eq!(ids, ["a", "c"][..whole.div_ceil(2)], "{cut}");
             assert_eq!(earlier.torn, cut > 0 && !ends.contains(&cut), "{cut}");
         }
         let broken = format!("{}\nrubbish\n{}\n", line("a", true), line("c", true));

@@ -3,7 +3,7 @@
 use super::*;
 
 const SCENE: &str = r#"<scene version="3.0.0"><integrator type="path"/>
-  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+  <sensor type="perspective"><float name="fov" value="40"/><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
   <shape type="rectangle"/><emitter type="constant"/></scene>"#;
 const SCENES: usize = 5;
 

@@ -5,13 +5,15 @@ use super::{FileError, chart, exr, npy, png};
 use crate::methods::{ForwardGradient, Image};
 use std::path::Path;
 
+type Write<'a> = dyn Fn(&Path) -> Result<(), FileError> + 'a;
+
 /// A file that is ready to be written.
 pub struct ResultFile<'a> {
     /// What it is called in result lines.
     pub key: &'static str,
     /// Its name in the output directory.
     pub name: &'static str,
-    write: Box<dyn Fn(&Path) -> Result<(), FileError> + 'a>,
+    write: Box<Write<'a>>,
 }
 
 impl<'a> ResultFile<'a> {

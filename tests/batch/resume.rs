@@ -23,6 +23,7 @@ fn what_is_done_stays_and_the_rest_is_run() {
     std::fs::create_dir(at.join("parts/job-5")).unwrap();
     std::fs::write(at.join("parts/job-5/image.exr"), "half").unwrap();
     std::fs::create_dir(at.join("parts/.job-6.unfinished")).unwrap();
+    std::fs::write(at.join("parts/.batch.json.4711.tmp"), "half").unwrap();
     write(at, "jobs.jsonl", &jobs);
     run(at, "batch jobs.jsonl -o parts --resume", 0);
     let second = std::fs::read_to_string(at.join("parts/results.jsonl")).unwrap();
@@ -109,11 +110,7 @@ fn progress_is_told_as_events() {
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
-    let progress = events
-        .iter()
-        .filter(|e| e["event"] == "progress")
-        .next_back()
-        .unwrap();
+    let progress = events.iter().rfind(|e| e["event"] == "progress").unwrap();
     assert_eq!(
         (&progress["done"], &progress["failed"], &progress["total"]),
         (&json!(3), &json!(1), &json!(3))
