@@ -246,13 +246,14 @@ impl MaterialTable {
             let Some(table) = &entry.transmission else {
                 continue;
             };
-            for k in 0..4 {
-                into[k][lane] = table.at(cos_in[lane])[k];
-                out[k][lane] = table.at(cos_out[lane])[k];
-            }
-            for k in 0..3 {
-                inner[k][lane] = table.inner[k];
-            }
+            let put = |rows: &mut [[f32; LANES]], values: &[f32]| {
+                rows.iter_mut()
+                    .zip(values)
+                    .for_each(|(row, &v)| row[lane] = v);
+            };
+            put(&mut into, &table.at(cos_in[lane]));
+            put(&mut out, &table.at(cos_out[lane]));
+            put(&mut inner, &table.inner);
         }
         RoughTransmission::new(
             into.map(Lane::new),

@@ -22,7 +22,6 @@ use std::f64::consts::FRAC_1_PI;
 const INNER_POINTS: usize = 4;
 /// Runs that are met with less than this chance are weighed as if it were this.
 const SMALLEST_CHANCE: f64 = 1e-3;
-/// Lines end this far above the horizon (radians).
 
 /// A lane's line above its horizon.
 struct Seen {
