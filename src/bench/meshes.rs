@@ -128,7 +128,7 @@ fn needles(count: usize) -> Shape {
     shape
 }
 
-/// SplitMix64 [Steele2014].
+/// SplitMix64 (Steele2014 in `docs/references.bib`).
 pub struct Random(pub u64);
 
 impl Random {

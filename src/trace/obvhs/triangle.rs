@@ -1,4 +1,4 @@
-//! A watertight test of triangles, after Woop, Benthin and Wald 2013 [Woop2013].
+//! A watertight test of triangles, after Woop, Benthin and Wald 2013 (Woop2013 in `docs/references.bib`).
 //!
 //! The corners are moved and sheared so that the ray becomes an axis; what is left is whether the origin of a plane
 //! lies in a triangle. A corner's place in that plane is rounded, but for all triangles that share it alike, and the
