@@ -26,7 +26,7 @@ pub fn write(
     })
 }
 
-/// As [`write`], and returns once the file would survive a power cut.
+/// As [`write()`], and returns once the file would survive a power cut.
 pub fn write_durably(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
