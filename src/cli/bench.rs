@@ -43,10 +43,11 @@ pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from("out/bench"));
-    atomic::prepare_directory(&directory)?;
     let mut results = Results::new(plan);
     for (i, source) in sources.iter().enumerate() {
         let case = source.load()?;
+        // Only now: a mesh that is not there leaves nothing behind.
+        atomic::prepare_directory(&directory)?;
         let title = format!("{} of {}: {}", i + 1, sources.len(), case.name);
         log.note(&title);
         let progress = StageProgress::start("bench", log, &signals);
