@@ -13,6 +13,7 @@ use crate::batch::shard::Split;
 use crate::batch::summary::Summary;
 use crate::batch::{memory, schema};
 use crate::output::atomic;
+use crate::trace::Backend;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::{BufReader, Write};
@@ -104,7 +105,7 @@ fn report(summary: &Summary, typed: &[OsString]) -> Result<String, Failure> {
         "version": env!("CARGO_PKG_VERSION"),
         "command": "batch",
         "arguments": arguments,
-        "backend": "embree",
+        "backend": Backend::default().to_string(),
         "summary": summary,
         "jobs_per_second": summary.jobs_rate(),
         "core_utilisation": summary.utilisation(),
