@@ -128,7 +128,8 @@ fn needles(count: usize) -> Shape {
     shape
 }
 
-/// SplitMix64 (Steele2014 in `docs/references.bib`).
+/// SplitMix64.
+// [Steele2014]
 pub struct Random(pub u64);
 
 impl Random {
