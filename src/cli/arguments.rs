@@ -19,11 +19,11 @@ const EXIT_CODES: &str = "Exit codes:
   130, 143  interrupted; what was finished is on disk";
 
 const EXAMPLES: &str = "Examples:
-  warpath render scenes/shadow.xml --spp 64 -o out/shadow
-  warpath params scenes/shadow.xml
-  warpath forward scenes/shadow.xml --param ball.translation=1,0,0 --spp 64
-  warpath backward scenes/shadow.xml --param ball.vertex_positions --target photo.exr --loss l2
-  warpath check scenes/shadow.xml --param ball.translation=1,0,0
+  warpath render scenes/demo.xml --spp 64 -o out/shadow
+  warpath params scenes/demo.xml
+  warpath forward scenes/demo.xml --param occluder.translation=1,0,0 --spp 64
+  warpath backward scenes/demo.xml --param occluder.vertex_positions --target target.exr --loss l2
+  warpath check scenes/demo.xml --param occluder.translation=1,0,0
   warpath batch jobs.jsonl -o out/jobs --resume";
 
 /// Gradients of path-traced images, through visibility, on the CPU.
