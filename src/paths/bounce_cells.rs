@@ -47,6 +47,8 @@ pub enum Seen<'a> {
 const PROBE_INDEX: u32 = 0x4000_0000;
 /// Dimension of a stream from which on families of lines are drawn.
 const AXIS: u32 = 0x2000_0000;
+/// One silhouette, found on two arcs of a line, has the same coordinate in both up to this angle in radians.
+const ROUNDING: f64 = 1e-6;
 /// There are two families and one is drawn.
 pub(super) const FAMILIES: f64 = 2.0;
 
@@ -314,7 +316,8 @@ impl Finder<'_> {
             let is_found_anyway = match between(geometry, adjacency, &arc, seen, 0.0, PROBE) {
                 Err(_) => true,
                 Ok([Some(crossing), _]) => {
-                    (from..=to).contains(&line.psi_of(arc.direction(crossing.s)))
+                    let psi = line.psi_of(arc.direction(crossing.s));
+                    (from - ROUNDING..=to + ROUNDING).contains(&psi)
                 }
                 Ok([None, _]) => false,
             };

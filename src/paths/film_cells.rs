@@ -9,6 +9,7 @@
 //! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
 //! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
 
+use super::film_runs;
 use super::lattice::Tile;
 use super::rays::{RayPacket, from_lanes};
 use super::store::FilmCrossing;
@@ -22,6 +23,7 @@ use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
 use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
+use std::collections::BTreeSet;
 
 /// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
 const PROBE_PIXELS: f64 = 1e-3;
@@ -34,16 +36,33 @@ pub struct LatticeImage {
 }
 
 /// A crossing before its jump is known.
-struct Candidate<'a> {
+pub(super) struct Candidate<'a> {
     boundary: Boundary,
-    at: [f64; 2],
+    pub at: [f64; 2],
     /// Number of crossings it stands for.
     count: u32,
     /// Where it was found, and where in that: 0 to 1.
     cell: Cell<'a>,
     s: f64,
     /// Not an edge within what is seen.
-    is_silhouette: bool,
+    pub is_silhouette: bool,
+}
+
+/// A crossing that was looked at.
+pub(super) struct Met {
+    pub line: LatticeLine,
+    /// Distance from the line's first point in steps of the lattice.
+    pub steps: f64,
+    pub is_silhouette: bool,
+    /// If it lies in the tile and the radiance jumps there.
+    pub crossing: Option<FilmCrossing>,
+}
+
+/// A row (axis 0) or a column (axis 1) of the lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct LatticeLine {
+    pub axis: usize,
+    pub number: usize,
 }
 
 /// The crossings between all neighbours for which `moves(a, b)` says that the boundary between their triangles can move.
@@ -55,56 +74,118 @@ pub fn find(
     moves: impl Fn(u32, u32) -> bool,
     counts: &mut Counts,
 ) -> Vec<FilmCrossing> {
+    let film = LatticeCells {
+        tracer,
+        adjacency,
+        tile,
+        image,
+    };
     let [columns, rows] = tile.points;
     let mut candidates = Vec::new();
+    let mut skipped = BTreeSet::new();
     for axis in 0..2 {
-        let stride = if axis == 0 { 1 } else { columns };
         for row in 0..rows - axis {
             for column in 0..columns - (1 - axis) {
-                let inner = if axis == 0 {
-                    tile.is_inner(1, row)
+                let (number, at) = if axis == 0 {
+                    (row, column)
                 } else {
-                    tile.is_inner(0, column)
+                    (column, row)
                 };
-                let at = row * columns + column;
-                let (a, b) = (image.triangle[at], image.triangle[at + stride]);
+                let line = LatticeLine { axis, number };
+                let (point, next) = (film.index(line, at), film.index(line, at + 1));
+                let (a, b) = (image.triangle[point], image.triangle[next]);
                 let differ = a != b || tracer.geometry.has_painted_edges(a);
-                if inner && differ && moves(a, b) {
-                    let dimension = CHOICE + (axis * columns * rows + at) as u32;
-                    let mut choice = tile.stream.uniform(dimension) as f64;
-                    // Equal radiances mostly mean that there is no jump, unless both are in shadow.
-                    let mut weight = 1;
-                    let radiance = image.radiance[at];
-                    if radiance == image.radiance[at + stride] && radiance != [0.0; 3] {
-                        weight = UNLIKELY;
-                        choice *= UNLIKELY as f64;
-                        if choice >= 1.0 {
-                            continue;
-                        }
-                    }
-                    let cell = Cell {
-                        tracer,
-                        adjacency,
-                        tile,
-                        start: [tile.position(0, column), tile.position(1, row)],
-                        length: tile.step[axis],
-                        axis,
-                        triangles: [a, b],
-                        weight,
-                    };
-                    candidates.extend(cell.all_crossings(choice, counts));
+                if !tile.is_inner(1 - axis, number) || !differ {
+                    continue;
                 }
+                if !moves(a, b) {
+                    skipped.insert((line, at as i64));
+                    continue;
+                }
+                let dimension = CHOICE + (axis * columns * rows + point) as u32;
+                let mut choice = tile.stream.uniform(dimension) as f64;
+                // Equal radiances mostly mean that there is no jump, unless both are in shadow.
+                let mut weight = 1;
+                let radiance = image.radiance[point];
+                if radiance == image.radiance[next] && radiance != [0.0; 3] {
+                    weight = UNLIKELY;
+                    choice *= UNLIKELY as f64;
+                    if choice >= 1.0 {
+                        skipped.insert((line, at as i64));
+                        continue;
+                    }
+                }
+                let cell = Cell {
+                    weight,
+                    ..film.cell(line, at as i64, 1, counts)
+                };
+                candidates.extend(cell.all_crossings(choice, counts));
             }
         }
     }
-    let mut found = Vec::new();
+    let mut met = Vec::new();
     for _ in 0..ROUNDS {
-        candidates = probe(tracer, tile, &candidates, &mut found, counts);
+        candidates = probe(&film, &candidates, &mut met, counts);
         if candidates.is_empty() {
             break;
         }
     }
-    found
+    film_runs::weigh_short_runs(&film, &mut met, &skipped, counts);
+    met.into_iter().filter_map(|met| met.crossing).collect()
+}
+
+/// The cells of a tile's lattice.
+pub(super) struct LatticeCells<'a> {
+    tracer: &'a Tracer<'a>,
+    adjacency: &'a Adjacency,
+    pub tile: &'a Tile,
+    image: &'a LatticeImage,
+}
+
+impl<'a> LatticeCells<'a> {
+    fn index(&self, line: LatticeLine, at: usize) -> usize {
+        let [column, row] = if line.axis == 0 {
+            [at, line.number]
+        } else {
+            [line.number, at]
+        };
+        row * self.tile.points[0] + column
+    }
+
+    /// The triangle seen at a point of a line, which may lie beyond the lattice.
+    fn triangle(&self, line: LatticeLine, at: i64, counts: &mut Counts) -> u32 {
+        if (0..self.tile.points[line.axis] as i64).contains(&at) {
+            return self.image.triangle[self.index(line, at as usize)];
+        }
+        counts.probe += 1;
+        first_hit(self.tracer, self.position(line, at))
+    }
+
+    fn position(&self, line: LatticeLine, at: i64) -> [f64; 2] {
+        let tile = self.tile;
+        let mut position = [tile.position(1 - line.axis, line.number); 2];
+        position[line.axis] = tile.first[line.axis] + at as f64 * tile.step[line.axis];
+        position
+    }
+
+    /// The interval from point number `at` of a line to the one `steps` further.
+    pub fn cell(&self, line: LatticeLine, at: i64, steps: i64, counts: &mut Counts) -> Cell<'a> {
+        Cell {
+            tracer: self.tracer,
+            adjacency: self.adjacency,
+            tile: self.tile,
+            start: self.position(line, at),
+            line,
+            length: steps as f64 * self.tile.step[line.axis],
+            triangles: [at, at + steps].map(|at| self.triangle(line, at, counts)),
+            weight: 1,
+        }
+    }
+
+    /// Distance of a film position from a line's first point in steps of the lattice.
+    pub fn steps(&self, line: LatticeLine, at: [f64; 2]) -> f64 {
+        (at[line.axis] - self.tile.first[line.axis]) / self.tile.step[line.axis]
+    }
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -121,16 +202,23 @@ fn beside(tile: &Tile, axis: usize) -> f64 {
     PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
 }
 
+/// The triangle seen at a film position.
+fn first_hit(tracer: &Tracer, [u, v]: [f64; 2]) -> u32 {
+    let camera = &tracer.camera;
+    let direction = dvec3(camera.direction(u, v)).as_vec3();
+    tracer.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
+}
+
 /// The interval between two neighbours, or a part of it.
 #[derive(Clone, Copy)]
-struct Cell<'a> {
+pub(super) struct Cell<'a> {
     tracer: &'a Tracer<'a>,
     adjacency: &'a Adjacency,
     tile: &'a Tile,
     start: [f64; 2],
-    /// Pixels along `axis`.
+    line: LatticeLine,
+    /// Pixels along the line.
     length: f64,
-    axis: usize,
     /// What its ends see.
     triangles: [u32; 2],
     /// How many cells it stands for.
@@ -141,12 +229,12 @@ impl<'a> Cell<'a> {
     /// Film position and direction at `s`.
     fn at(&self, s: f64) -> ([f64; 2], DVec3) {
         let mut at = self.start;
-        at[self.axis] += s * self.length;
+        at[self.line.axis] += s * self.length;
         (at, dvec3(self.tracer.camera.direction(at[0], at[1])))
     }
 
-    /// What lies between the triangles seen at its ends, as far as it lies in the tile.
-    fn crossings(&self, choice: f64) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
+    /// What lies between the triangles seen at its ends.
+    pub fn crossings(&self, choice: f64) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
         let arc = Arc {
             origin: self.tracer.camera.origin.as_dvec3(),
             a: self.at(0.0).1,
@@ -158,15 +246,14 @@ impl<'a> Cell<'a> {
             &arc,
             self.triangles,
             choice,
-            2.0 * beside(self.tile, self.axis) / self.length,
+            2.0 * beside(self.tile, self.line.axis) / self.length,
         )?;
         let [silhouette, ridge] = found;
         let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
             let Crossing { boundary, s, count } = crossing?;
-            let (at, _) = self.at(s);
-            self.tile.contains(at[0], at[1]).then_some(Candidate {
+            Some(Candidate {
                 boundary,
-                at,
+                at: self.at(s).0,
                 count: count * self.weight,
                 cell: *self,
                 s,
@@ -177,14 +264,11 @@ impl<'a> Cell<'a> {
     }
 
     /// The same where something else may stand in front of both triangles.
-    fn all_crossings(&self, choice: f64, counts: &mut Counts) -> Vec<Candidate<'a>> {
+    pub fn all_crossings(&self, choice: f64, counts: &mut Counts) -> Vec<Candidate<'a>> {
         let mut probes = 0;
         let seen = |s: f64| {
             probes += 1;
-            let tracer = self.tracer;
-            let direction = self.at(s).1.as_vec3();
-            let [near, far] = [tracer.camera.near_clip, tracer.camera.far_clip];
-            tracer.first_hit(tracer.camera.origin, direction, near, far)
+            first_hit(self.tracer, self.at(s).0)
         };
         let find = |place, triangles| self.part(place, triangles).crossings(choice);
         let (found, unresolved) = between_halves(self.triangles, seen, find);
@@ -206,7 +290,7 @@ impl<'a> Cell<'a> {
     /// The silhouettes in the parts on either side of `s`, beside which `seen` is seen: where that is not what the ends
     /// see, something else ends in between.
     fn rest(&self, s: f64, seen: [u32; 2], counts: &mut Counts) -> Vec<Candidate<'a>> {
-        let beside = beside(self.tile, self.axis) / self.length;
+        let beside = beside(self.tile, self.line.axis) / self.length;
         let [a, b] = self.triangles;
         let [before, after] = seen;
         let parts = [
@@ -226,19 +310,19 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// Looks on both sides of each candidate; those with a jump are added to `found`. Returns what else must lie in their cells.
+/// Looks on both sides of each candidate in the tile and adds it to `met`. Returns what else must lie in their cells.
 fn probe<'a>(
-    tracer: &Tracer,
-    tile: &Tile,
+    film: &LatticeCells<'a>,
     candidates: &[Candidate<'a>],
-    found: &mut Vec<FilmCrossing>,
+    met: &mut Vec<Met>,
     counts: &mut Counts,
 ) -> Vec<Candidate<'a>> {
+    let LatticeCells { tracer, tile, .. } = *film;
     let mut rest = Vec::new();
     for (number, group) in candidates.chunks(LANES / 2).enumerate() {
         let mut directions = [Vec3::Z; LANES];
         for (i, candidate) in group.iter().enumerate() {
-            let axis = candidate.cell.axis;
+            let axis = candidate.cell.line.axis;
             let beside = beside(tile, axis);
             for (k, side) in [-beside, beside].into_iter().enumerate() {
                 let mut at = candidate.at;
@@ -260,16 +344,22 @@ fn probe<'a>(
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
             let jump: Rgb =
                 std::array::from_fn(|c| (before[c] - after[c]) * candidate.count as f32);
-            if jump.iter().any(|j| !j.is_finite()) {
-                counts.not_finite += 1;
-            } else if jump != [0.0; 3] {
-                found.push(FilmCrossing {
+            let is_finite = jump.iter().all(|j| j.is_finite());
+            counts.not_finite += !is_finite as u64;
+            let [u, v] = candidate.at;
+            let jumps = is_finite && jump != [0.0; 3] && tile.contains(u, v);
+            let line = candidate.cell.line;
+            met.push(Met {
+                line,
+                steps: film.steps(line, candidate.at),
+                is_silhouette: candidate.is_silhouette,
+                crossing: jumps.then_some(FilmCrossing {
                     boundary: candidate.boundary,
-                    axis: candidate.cell.axis as u8,
+                    axis: line.axis as u8,
                     at: candidate.at,
                     jump,
-                });
-            }
+                }),
+            });
             if candidate.is_silhouette {
                 let seen = [seen[2 * i], seen[2 * i + 1]];
                 rest.extend(candidate.cell.rest(candidate.s, seen, counts));

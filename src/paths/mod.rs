@@ -10,6 +10,7 @@ pub mod environment;
 mod even_sky;
 pub mod film;
 pub mod film_cells;
+mod film_runs;
 pub mod lattice;
 pub mod light_cells;
 pub mod lights;
