@@ -1,6 +1,7 @@
 //! How a batch goes, and how it went.
 
 use super::result::ResultLine;
+use super::settings::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -170,8 +171,8 @@ impl Summary {
     /// In a few lines.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!(
-            "{} jobs in {:.2} s: {:.2} jobs/s, {:.2} Mrays/s; {} failed, {} done before",
-            self.jobs,
+            "{} in {:.2} s: {:.2} jobs/s, {:.2} Mrays/s; {} failed, {} done before",
+            counted(self.jobs, "job"),
             self.seconds,
             self.jobs_rate(),
             self.rays as f64 * 1e-6 / self.seconds.max(1e-9),

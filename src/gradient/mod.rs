@@ -9,3 +9,4 @@ pub mod normals;
 pub mod reverse;
 mod reverse_crossings;
 mod reverse_lights;
+mod reverse_surface;
