@@ -262,7 +262,7 @@ impl Job {
     }
 
     /// What it asks of the engine; `threads` is for the engine's own reports.
-    pub fn wishes(&self, threads: usize) -> Wishes {
+    pub fn wishes(&self, threads: usize, backend: Backend) -> Wishes {
         Wishes {
             sensor: self.sensor,
             spp: self.spp,
@@ -276,7 +276,7 @@ impl Job {
                 Some(MethodName::Fd) => Method::Fd,
                 Some(MethodName::Reparam) | None => Method::Reparam,
             },
-            backend: Backend::default(),
+            backend,
             standard_error: self.mode != Mode::Render && self.stderr.unwrap_or(true),
             groups: self.groups,
             threads,

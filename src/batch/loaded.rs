@@ -20,6 +20,7 @@ const LOOSEST: f64 = 1.2;
 pub struct Loaded {
     pub scene: Scene,
     pub parts: Parts,
+    backend: Backend,
     pub load_seconds: f64,
     pub build_seconds: f64,
     files: Vec<(PathBuf, Stamp)>,
@@ -74,6 +75,7 @@ impl Loaded {
     pub fn load(
         key: &SceneKey,
         workers: &Workers,
+        backend: Backend,
         mut reservation: Reservation,
         cancelled: &dyn Fn() -> bool,
     ) -> Result<Self, Failure> {
@@ -89,11 +91,12 @@ impl Loaded {
         reservation.become_bytes(memory::of_scene(&scene), cancelled)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let parts = Parts::new(&scene, workers, Backend::default())
+        let parts = Parts::new(&scene, workers, backend)
             .map_err(|error| Failure::from_engine(error, None))?;
         Ok(Self {
             scene,
             parts,
+            backend,
             load_seconds,
             build_seconds: start.elapsed().as_secs_f64(),
             files,
@@ -112,19 +115,19 @@ impl Loaded {
     /// A structure over `moved`, the scene with other vertices: refitted, or built anew where boxes would get loose.
     pub fn follow(&self, moved: &Scene, edits: &Edits, threads: usize) -> Result<Lease, Failure> {
         let failed = |error: crate::trace::TraceError| Failure::World(error.to_string());
+        let options = AccelOptions::new(true, threads).on(self.backend);
         let base = views(&self.scene.meshes);
         let now = views(&moved.meshes);
         let tightness = self.tightness.get_or_init(|| Tightness::new(&base));
         if tightness.looseness(&now, &edits.moved) > LOOSEST {
-            let accel = Accel::build(&now, AccelOptions::new(true, threads)).map_err(failed)?;
+            let accel = Accel::build(&now, options).map_err(failed)?;
             return Ok(Lease::Rebuilt(Arc::new(accel)));
         }
         let idle = self.lock().pop();
         let mut accel = match idle {
             Some(follower) => follower.accel,
             None => {
-                let mut accel =
-                    Accel::build(&base, AccelOptions::new(true, threads)).map_err(failed)?;
+                let mut accel = Accel::build(&base, options).map_err(failed)?;
                 // The first refit decides the hierarchy.
                 accel.refit(&base).map_err(failed)?;
                 accel

@@ -24,6 +24,8 @@ pub struct Manifest {
     pub shards: u32,
     /// `jobs` or `samples`.
     pub split: String,
+    /// What traced the rays.
+    pub backend: String,
 }
 
 impl Manifest {
@@ -35,6 +37,7 @@ impl Manifest {
             shard,
             shards,
             split: options.split.name().into(),
+            backend: options.backend.to_string(),
         }
     }
 
@@ -42,8 +45,7 @@ impl Manifest {
     pub fn write(&self, directory: &Path, resumes: bool) -> Result<(), Failure> {
         if resumes && directory.join(MANIFEST).exists() {
             let before = Self::read(directory)?;
-            let part = |m: &Self| (m.shard, m.shards, m.split.clone(), m.version.clone());
-            if part(&before) != part(self) {
+            if (before.shard, before.kind()) != (self.shard, self.kind()) {
                 return Err(Failure::Usage(format!(
                     "{} holds {before}, not {self}: choose another -o",
                     directory.display()
@@ -55,6 +57,11 @@ impl Manifest {
         Ok(atomic::write_durably(&path, |file| {
             file.write_all(text.as_bytes())
         })?)
+    }
+
+    /// What all shards of a batch have in common, besides their jobs.
+    pub fn kind(&self) -> (&str, u32, &str, &str) {
+        (&self.version, self.shards, &self.split, &self.backend)
     }
 
     /// Reads that of a folder.
@@ -71,8 +78,8 @@ impl std::fmt::Display for Manifest {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(
             f,
-            "shard {}/{} by {} of warpath {}",
-            self.shard, self.shards, self.split, self.version
+            "shard {}/{} by {} of warpath {} on {}",
+            self.shard, self.shards, self.split, self.version, self.backend
         )
     }
 }

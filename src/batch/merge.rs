@@ -92,8 +92,7 @@ fn check_alike(parts: &[Part]) -> Result<(), Failure> {
     };
     for part in parts {
         let (a, b) = (&first.manifest, &part.manifest);
-        let alike = (&a.version, a.shards, &a.split) == (&b.version, b.shards, &b.split);
-        if !alike {
+        if a.kind() != b.kind() {
             return unlike(format!(
                 "{} holds {b}, {} holds {a}: they are not of one batch",
                 part.directory.display(),

@@ -17,6 +17,7 @@ use super::summary::{Summary, Tally};
 use super::task::{Question, Stand};
 use crate::methods::{Progress, Workers};
 use crate::output::results::{self, ResultFile};
+use crate::trace::Backend;
 use std::collections::BTreeMap;
 use std::io::{BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -37,6 +38,8 @@ pub struct Options {
     pub memory_bytes: u64,
     pub shard: Option<Shard>,
     pub split: Split,
+    /// What traces the rays.
+    pub backend: Backend,
 }
 
 /// Who is told how the batch goes. Several threads tell.
@@ -131,7 +134,7 @@ impl<'a> Batch<'a> {
         Ok(Self {
             options,
             watch,
-            store: Store::new(options.memory_bytes, workers.clone()),
+            store: Store::new(options.memory_bytes, workers.clone(), options.backend),
             workers,
             journal: Mutex::new(journal),
             output: output.map(Mutex::new),
@@ -240,7 +243,7 @@ impl<'a> Batch<'a> {
         }
         let job = Job::parse(&line.text)?;
         let threads = self.options.threads;
-        let wishes = job.wishes(threads);
+        let wishes = job.wishes(threads, self.options.backend);
         let key = SceneKey {
             path: job.scene.clone(),
             defines: job.definitions(),

@@ -8,6 +8,7 @@ use super::failure::Failure;
 use super::loaded::Loaded;
 use super::memory;
 use crate::methods::Workers;
+use crate::trace::Backend;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -27,6 +28,7 @@ pub struct SceneKey {
 pub struct Store {
     ledger: Arc<Ledger>,
     workers: Workers,
+    backend: Backend,
 }
 
 /// Who holds how much.
@@ -77,7 +79,7 @@ struct Release {
 
 impl Store {
     /// An empty store; what the process has taken up to now counts as used.
-    pub fn new(limit_bytes: u64, workers: Workers) -> Self {
+    pub fn new(limit_bytes: u64, workers: Workers, backend: Backend) -> Self {
         let state = State {
             used: memory::resident().unwrap_or(0),
             ..State::default()
@@ -89,6 +91,7 @@ impl Store {
                 changed: Condvar::new(),
             }),
             workers,
+            backend,
         }
     }
 
@@ -121,7 +124,13 @@ impl Store {
                 state.loading = true;
                 drop(state);
                 let turn = LoadingTurn(ledger);
-                let loaded = Loaded::load(key, &self.workers, Reservation::none(ledger), cancelled);
+                let loaded = Loaded::load(
+                    key,
+                    &self.workers,
+                    self.backend,
+                    Reservation::none(ledger),
+                    cancelled,
+                );
                 was_loaded = true;
                 // Before the turn ends: else another job would load the same scene.
                 let there = loaded.map(|loaded| ledger.lock().put(key, Arc::new(loaded)));

@@ -17,7 +17,7 @@ fn store(directory: &std::path::Path, room: u64) -> (Store, Vec<SceneKey>) {
             defines: Vec::new(),
         }
     };
-    let store = Store::new(0, Workers::new(1).unwrap());
+    let store = Store::new(0, Workers::new(1).unwrap(), Backend::default());
     let base = store.ledger.lock().used;
     let ledger = Ledger {
         limit: base + room,

@@ -291,6 +291,9 @@ pub struct BatchArguments {
     /// What shards share out
     #[arg(long, value_enum, default_value_t = SplitName::Jobs, requires = "shard")]
     pub split: SplitName,
+    /// What traces the rays of all jobs, as in forward
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    pub backend: Backend,
     /// Prints the JSON schema of a job
     #[arg(long, exclusive = true)]
     pub schema: bool,

@@ -13,7 +13,6 @@ use crate::batch::shard::Split;
 use crate::batch::summary::Summary;
 use crate::batch::{memory, schema};
 use crate::output::atomic;
-use crate::trace::Backend;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::{BufReader, Write};
@@ -30,6 +29,10 @@ pub fn run(arguments: &BatchArguments, typed: &[OsString]) -> Result<(), Failure
             "--shard shares out a job file; a stream is for one worker".into(),
         ));
     }
+    arguments
+        .backend
+        .require()
+        .map_err(|why| Failure::Usage(why.into()))?;
     let log = Log::new(&arguments.talk);
     let options = options(arguments, jobs)?;
     let progress = BatchProgress::new(log, Signals::watch());
@@ -42,7 +45,7 @@ pub fn run(arguments: &BatchArguments, typed: &[OsString]) -> Result<(), Failure
     };
     progress.finish();
     let summary = summary?;
-    let text = report(&summary, typed)?;
+    let text = report(&summary, &options, typed)?;
     atomic::write(&options.directory.join(REPORT), |file| {
         file.write_all(text.as_bytes())
     })?;
@@ -96,16 +99,17 @@ fn options(arguments: &BatchArguments, jobs: &Path) -> Result<Options, Failure> 
             SplitName::Jobs => Split::Jobs,
             SplitName::Samples => Split::Samples,
         },
+        backend: arguments.backend,
     })
 }
 
-fn report(summary: &Summary, typed: &[OsString]) -> Result<String, Failure> {
+fn report(summary: &Summary, options: &Options, typed: &[OsString]) -> Result<String, Failure> {
     let arguments: Vec<_> = typed.iter().skip(1).map(|a| a.to_string_lossy()).collect();
     let report = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "batch",
         "arguments": arguments,
-        "backend": Backend::default().to_string(),
+        "backend": options.backend.to_string(),
         "summary": summary,
         "jobs_per_second": summary.jobs_rate(),
         "core_utilisation": summary.utilisation(),

@@ -68,11 +68,16 @@ fn a_job_gives_the_bytes_of_the_single_command() {
         })
         .collect();
     write(at, "jobs.jsonl", &jobs);
-    for threads in [1, 3] {
+    for (threads, backend) in [(1, ""), (3, ""), (2, "--backend obvhs:slow")] {
+        if !backend.is_empty() && !cfg!(feature = "obvhs") {
+            continue;
+        }
         let output = format!("batch-{threads}");
-        run(at, &format!("batch jobs.jsonl -o {output} -t {threads}"), 0);
+        let line = format!("batch jobs.jsonl -o {output} -t {threads} {backend}");
+        run(at, &line, 0);
         for (id, line, _) in &cases {
-            run(at, &format!("{line} {common} -o single -t 2 -q"), 0);
+            let line = format!("{line} {common} {backend} -o single -t 2 -q");
+            run(at, &line, 0);
             assert_same_files(&at.join("single"), &at.join(&output).join(id));
             let report = std::fs::read(at.join("single/report.json")).unwrap();
             let report: serde_json::Value = serde_json::from_slice(&report).unwrap();

@@ -103,6 +103,11 @@ fn unlike_shards_are_not_merged() {
         "batch jobs.jsonl -q --shard 2/2 --split samples -o d",
         0,
     );
+    run(
+        at,
+        "batch jobs.jsonl -q --shard 2/2 --backend obvhs -o f",
+        if cfg!(feature = "obvhs") { 0 } else { 2 },
+    );
     write(at, "jobs.jsonl", &jobs[..3]);
     run(at, "batch jobs.jsonl -q --shard 2/2 -o e", 0);
     let said = |line: &str, part: &str| {
@@ -115,6 +120,9 @@ fn unlike_shards_are_not_merged() {
     said("merge a b b", "b and b both hold shard 2/2");
     said("merge a c", "not of one batch");
     said("merge a d", "not of one batch");
+    if cfg!(all(feature = "embree", feature = "obvhs")) {
+        said("merge a f", "on obvhs");
+    }
     said("merge a e", "different job files");
     let text = std::fs::read_to_string(at.join("b/results.jsonl")).unwrap();
     std::fs::write(at.join("b/results.jsonl"), &text[..text.len() - 9]).unwrap();
