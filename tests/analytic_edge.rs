@@ -189,3 +189,73 @@ fn half_plane_rotated_and_scaled() {
     let turned = |p: DVec3, t: f64| pivot + glam::DQuat::from_rotation_z(t) * (p - pivot);
     check_half_plane(TENT, "blocker.rotation", &[0.0, 0.0, 1.0], turned);
 }
+
+// Things thinner than the distance of samples: a wire, and a slit between two plates, a fiftieth of a pixel wide.
+//
+// With a box filter the sum over all pixels is L times the area of free film, whose derivative is the edge's speed along
+// u times the film's height.
+
+const THIN: f32 = 0.004;
+
+/// A parallelogram across the whole film, from its own edge on by `width` to the right.
+fn strip(width: f32) -> common::shapes::Shape {
+    let along = EDGE_ALONG.as_vec3();
+    let corner = EDGE_AT.as_vec3() - 5.0 * along;
+    parallelogram(corner, Vec3::X * width, 10.0 * along)
+}
+
+/// The derivative of the image's sum is that of the free area, whose edges move by `speed` along x in all.
+fn check_thin(scene: Scene, key: &str, values: &[f32], speed: f64) {
+    let along = direction(&scene, &[(key, values)]);
+    let sums: Vec<f64> = (1..=1500)
+        .map(|seed| {
+            let gradient = gradient(&scene, &settings(&scene, Method::Reparam, 64, seed), &along);
+            gradient.iter().step_by(3).sum()
+        })
+        .collect();
+    let size = f64::from(EDGE_FILM);
+    let pixels_per_unit = size / (2.0 * (EDGE_FOV_DEG.to_radians() / 2.0).tan() * EYE.z);
+    let truth = SKY * speed * pixels_per_unit * size;
+    let sum = Estimate::mean(&sums);
+    println!("{key}: {sum:?}, truth {truth}");
+    assert!(
+        sum.error <= RESOLUTION * truth.abs(),
+        "{sum:?} says nothing"
+    );
+    assert!(
+        sum.z(truth).abs() <= SIGMAS,
+        "{key}: {sum:?}, truth {truth}"
+    );
+}
+
+fn before_the_sky() -> Scene {
+    scene(
+        EYE.as_vec3(),
+        Vec3::ZERO,
+        EDGE_FOV_DEG as f32,
+        [EDGE_FILM; 2],
+        BOX,
+    )
+    .sky([SKY as f32; 3])
+}
+
+#[test]
+fn wire_that_grows() {
+    let scene = before_the_sky().solid("wire", strip(THIN), [0.0; 3]);
+    check_thin(scene, "wire.scale", &[1.0], -f64::from(THIN));
+}
+
+#[test]
+fn slit_that_opens() {
+    let right = strip(2.0)
+        .0
+        .into_iter()
+        .map(|p| p + Vec3::X * THIN)
+        .collect();
+    let scene = before_the_sky().solid("left", strip(-2.0), [0.0; 3]).solid(
+        "right",
+        (right, strip(2.0).1),
+        [0.0; 3],
+    );
+    check_thin(scene, "right.translation", &[1.0, 0.0, 0.0], 1.0);
+}

@@ -191,3 +191,37 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
         Err(Unresolved)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Something (2) stands between 0.3 and 0.32 before what is 0 on its left and 1 on its right, neither of which ends.
+    #[test]
+    fn halves_are_searched_for_what_hides_both_ends() {
+        let seen = |s: f64| match s {
+            s if s < 0.3 => 0,
+            s if s < 0.32 => 2,
+            _ => 1,
+        };
+        let find = |place: [f64; 2], ends: [u32; 2]| match ends {
+            [0, 1] => Err(Unresolved),
+            _ => Ok((place, ends)),
+        };
+        let (mut found, unresolved) = between_halves([0, 1], seen, find);
+        found.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        assert_eq!(unresolved, 0);
+        let ends: Vec<_> = found.iter().map(|part| part.1).collect();
+        assert_eq!(ends, [[0, 2], [2, 1]]);
+        for ([from, to], [a, b]) in found {
+            assert_eq!([seen(from), seen(to)], [a, b]);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_explained_is_counted() {
+        let (found, unresolved) = between_halves([0, 1], |_| 0, |_, _| Err::<(), _>(Unresolved));
+        assert!(found.is_empty());
+        assert_eq!(unresolved, 1);
+    }
+}
