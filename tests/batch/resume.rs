@@ -79,10 +79,7 @@ fn an_interrupted_batch_keeps_what_is_finished() {
         while !has_two() {
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
-        let sent = std::process::Command::new("kill")
-            .args([&format!("-{signal}"), &child.id().to_string()])
-            .status();
-        assert!(sent.unwrap().success());
+        crate::workplace::signal(child.id(), signal);
         let out = child.wait_with_output().unwrap();
         let message = String::from_utf8_lossy(&out.stderr);
         assert_eq!(out.status.code(), Some(code), "{message}");

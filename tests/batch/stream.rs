@@ -111,10 +111,7 @@ fn signals_and_closed_pipes_end_the_worker() {
     let (child, mut input, mut output) = worker(at, "-q");
     ask(&mut input, &of_all_kinds(1)[0].to_string());
     answer(&mut output);
-    let sent = Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
-        .status();
-    assert!(sent.unwrap().success());
+    crate::workplace::signal(child.id(), "TERM");
     // Standard input stays open: the worker must not wait for it.
     let out = child.wait_with_output().unwrap();
     assert_eq!(out.status.code(), Some(143), "{}", text(&out.stderr));

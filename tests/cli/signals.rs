@@ -35,10 +35,7 @@ fn interrupt(directory: &Path, arguments: &[&str], signal: &str, code: i32) {
         std::thread::sleep(Duration::from_millis(10));
     }
     std::thread::sleep(Duration::from_millis(300));
-    let sent = Command::new("kill")
-        .args([&format!("-{signal}"), &child.id().to_string()])
-        .status();
-    assert!(sent.unwrap().success());
+    crate::workplace::signal(child.id(), signal);
     let sent = Instant::now();
     let out = child.wait_with_output().unwrap();
     let what = format!("{signal} during {}", arguments[0]);

@@ -40,6 +40,13 @@ pub fn typed(line: &str) -> Vec<&str> {
     line.split_whitespace().collect()
 }
 
+/// Sends a signal (TERM, INT) to a process. Every shell can; a program of that name is not everywhere.
+pub fn signal(process: u32, name: &str) {
+    let line = format!("kill -{name} {process}");
+    let sent = Command::new("sh").args(["-c", &line]).status();
+    assert!(sent.unwrap().success(), "{line}");
+}
+
 pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
