@@ -6,30 +6,8 @@ use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
-use common::shapes::{Random, Shape, soup};
-use glam::vec3;
+use glam::{Vec3, vec3};
 use warpath::scene::Distribution::Ggx;
-use warpath::scene::Scene;
-
-/// Leaves strewn over a floor.
-fn leaves() -> Shape {
-    let (positions, triangles) = soup(&mut Random::new(3), 40, 0.35);
-    let over_floor = |p: glam::Vec3| p * vec3(0.6, 0.6, 0.2) + vec3(0.0, 0.0, 0.3);
-    (positions.into_iter().map(over_floor).collect(), triangles)
-}
-
-fn foliage() -> Scene {
-    scene(
-        vec3(0.3, -3.4, 1.9),
-        vec3(0.0, 0.0, 0.2),
-        26.0,
-        [16; 2],
-        GAUSSIAN,
-    )
-    .solid("floor", floor(0.8, 0.0), [0.6, 0.5, 0.4])
-    .solid("leaves", leaves(), [0.2, 0.6, 0.1])
-    .sky(SKY)
-}
 
 const MOVED: (&str, &[f32]) = ("leaves.translation", &[1.0, 0.2, 0.1]);
 
@@ -47,4 +25,20 @@ fn lit_by_one_another() {
 fn seen_in_a_reflection() {
     let scene = foliage().depth(3).metal("floor", 0.05, Ggx);
     check(&scene, &[MOVED], 512, None, Fails);
+}
+
+/// A slit is found wherever its two rims hide what is behind: no point of a line need lie in it, and nothing must be made of
+/// the chance that one does.
+#[test]
+fn lit_through_a_slit() {
+    let plate = |x: f32, width: f32| {
+        parallelogram(vec3(x, -0.5, 0.5), Vec3::X * width, vec3(0.0, 1.0, 0.0))
+    };
+    let scene = small_floor()
+        .solid("left", plate(-0.6, 0.6), [0.0; 3])
+        .solid("right", plate(0.03, 0.57), [0.0; 3])
+        .sky(SKY)
+        .depth(3);
+    let opened: (&str, &[f32]) = ("right.translation", &[1.0, 0.0, 0.0]);
+    check(&scene, &[opened], 256, Some(2e-3), Fails);
 }

@@ -2,7 +2,7 @@
 //!
 //! A group of samples puts `columns × rows` points in every pixel, on a regular lattice that is shifted as a whole
 //! by one random vector a tile. Every interval between neighbours in a row or a column is a *cell* of the change
-//! of variables (`warp::film_cells`); so that the cells cover the tile completely, the lattice has one more point
+//! of variables (`paths::film_cells`); so that the cells cover the tile completely, the lattice has one more point
 //! beyond each side of the tile, which belongs to no pixel's sum.
 
 use super::random::Stream;

@@ -1,7 +1,7 @@
 //! `reparam` against finite differences, and the scenes it is done on.
 
 use super::scenes::*;
-use super::shapes::Shape;
+use super::shapes::{Random, Shape, soup};
 use super::statistics::Agreement;
 use super::{differences, direction, gradient, settings};
 use glam::{Vec3, vec3};
@@ -113,13 +113,8 @@ pub fn shadow() -> Scene {
     lit(floor_seen(20, GAUSSIAN).solid("block", block(), [0.3, 0.6, 0.5]))
 }
 
-/// A big block close to a small floor.
-pub fn close_up() -> Scene {
-    let big = placed(
-        cuboid(vec3(0.6, 0.5, 0.2)),
-        vec3(12.0, 25.0, 33.0),
-        vec3(0.1, 0.0, 0.6),
-    );
+/// A small floor, seen from near.
+pub fn small_floor() -> Scene {
     scene(
         vec3(0.3, -3.4, 1.9),
         vec3(0.0, 0.0, 0.2),
@@ -128,7 +123,26 @@ pub fn close_up() -> Scene {
         GAUSSIAN,
     )
     .solid("floor", floor(0.8, 0.0), [0.6, 0.5, 0.4])
-    .solid("block", big, [0.3, 0.6, 0.5])
+}
+
+/// A big block close to it.
+pub fn close_up() -> Scene {
+    let big = placed(
+        cuboid(vec3(0.6, 0.5, 0.2)),
+        vec3(12.0, 25.0, 33.0),
+        vec3(0.1, 0.0, 0.6),
+    );
+    small_floor().solid("block", big, [0.3, 0.6, 0.5])
+}
+
+/// Leaves strewn over it, under the sky.
+pub fn foliage() -> Scene {
+    let (positions, triangles) = soup(&mut Random::new(3), 40, 0.35);
+    let over_floor = |p: Vec3| p * vec3(0.6, 0.6, 0.2) + vec3(0.0, 0.0, 0.3);
+    let leaves = (positions.into_iter().map(over_floor).collect(), triangles);
+    small_floor()
+        .solid("leaves", leaves, [0.2, 0.6, 0.1])
+        .sky(SKY)
 }
 
 /// The same before a coloured wall.

@@ -5,6 +5,7 @@ mod common;
 mod comparison;
 #[path = "../common/jobs.rs"]
 mod jobs;
+mod leaves;
 mod schedulers;
 #[path = "../cli/workplace.rs"]
 #[allow(dead_code)]
