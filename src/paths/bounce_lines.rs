@@ -17,6 +17,7 @@
 
 use super::bounce::{View, frame_of_lane};
 use super::rays::lane_of;
+use super::runs::Runs;
 use super::store::Vertices;
 use super::surface::Surface;
 use crate::kernels::frame::direction_from_local;
@@ -29,8 +30,6 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 /// Points on a line besides its two ends on the horizon, and the bounce if it lies on it: jittered, so that no silhouette
 /// hides between the same two points for all vertices.
 pub const INNER_POINTS: usize = 4;
-/// Runs that are met with less than this chance are weighed as if it were this.
-const SMALLEST_CHANCE: f64 = 1e-3;
 /// No lobe is taken for narrower (radians).
 const NARROWEST: f64 = 1e-4;
 /// Lines end this far above the horizon (radians), where no ray grazes the surface.
@@ -308,34 +307,43 @@ impl Line {
         Some(line_weight(self.poles, self.axis, c, d)? * self.inverse_density)
     }
 
-    /// The chance that a point of the line falls between ψ = `from` and `to`: one of the jittered points, or the bounce,
-    /// whose density on its line is 2/π cos²ψ.
-    fn chance_of_meeting(&self, from: f64, to: f64) -> f64 {
-        let points = INNER_POINTS as f64;
-        let (jittered, bounce) = match self.spread {
-            Spread::Diffuse => {
-                let below = |psi: f64| (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
-                let bounce = self.bounce.map_or(0.0, |_| below(to) - below(from));
-                ((to - from) * points * FRAC_1_PI, bounce)
-            }
-            Spread::Lobe { width } => {
-                let place = |psi: f64| psi / psi.hypot(width);
-                ((place(to) - place(from)) * 0.5 * points, 0.0)
-            }
-        };
-        (1.0 - (1.0 - jittered.min(1.0)) * (1.0 - bounce)).max(SMALLEST_CHANCE)
+    /// The runs between borders at these ψ, increasing.
+    pub fn runs(&self, psi: &[f64]) -> Runs {
+        let places = psi.iter().map(|&psi| self.place(psi)).collect();
+        // The density of the bounce on its line is 2/π cos²ψ.
+        let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
+        let ends = psi
+            .iter()
+            .map(|&psi| self.bounce.map_or(0.0, |_| below(psi)));
+        let mut extra: Vec<f64> = ends.collect();
+        extra.push(self.bounce.map_or(0.0, |_| 1.0));
+        for run in (1..extra.len()).rev() {
+            extra[run] -= extra[run - 1];
+        }
+        Runs { places, extra }
     }
 
-    /// What stands between two silhouettes of a line is met with a chance that is known once it has been met: its
-    /// silhouettes stand for all those that were not. `psi` of all silhouettes on the line, increasing; the two ends of the
-    /// line are always looked at. Returns the weight of each run: before the first silhouette, between them, after the
-    /// last.
-    pub fn run_weights(&self, psi: &[f64]) -> Vec<f64> {
-        let mut weights = vec![1.0; psi.len() + 1];
-        for (weight, ends) in weights[1..].iter_mut().zip(psi.windows(2)) {
-            *weight = 1.0 / self.chance_of_meeting(ends[0], ends[1]);
-        }
-        weights
+    /// Of a ψ in distances of the jittered points.
+    fn place(&self, psi: f64) -> f64 {
+        let part = match self.spread {
+            Spread::Diffuse => psi * FRAC_1_PI + 0.5,
+            Spread::Lobe { width } => 0.5 * (psi / psi.hypot(width) + 1.0),
+        };
+        part * INNER_POINTS as f64
+    }
+
+    /// The ψ at a place.
+    pub fn psi_at(&self, place: f64) -> f64 {
+        let part = place / INNER_POINTS as f64;
+        let psi = match self.spread {
+            Spread::Diffuse => PI * part - FRAC_PI_2,
+            Spread::Lobe { width } => {
+                let q = 2.0 * part - 1.0;
+                width * q / (1.0 - q * q).max(1e-12).sqrt()
+            }
+        };
+        let [low, high] = [self.psi[0], self.psi[self.psi.len() - 1]];
+        psi.clamp(low, high)
     }
 }
 

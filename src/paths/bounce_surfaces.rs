@@ -5,6 +5,7 @@
 
 use super::bounce_cells::{AXIS, FAMILIES, Finder, Seen};
 use super::bounce_lines::{LaneSurface, Line, Lobe};
+use super::bounce_runs::{Border, LineRuns};
 use super::occluders::{PROBE, SurfacePoint};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
@@ -17,8 +18,7 @@ use glam::{DVec3, Vec3};
 
 /// Streams of paths that look beside silhouettes are kept apart from all others by this dimension offset.
 const PROBE_INDEX: u32 = 0x4000_0000;
-/// One silhouette, found on two arcs of a line, has the same coordinate in both up to this angle in radians.
-const ROUNDING: f64 = 1e-6;
+
 /// A crossing on a line among reflecting surfaces, before its jump is known.
 struct Found {
     boundary: Boundary,
@@ -29,9 +29,29 @@ struct Found {
     psi: f64,
     is_silhouette: bool,
     /// How many it stands for.
-    weight: f64,
+    count: u32,
     /// What the ends of the arc see.
     triangles: [u32; 2],
+    /// The points of the line between which it was found.
+    cell: [f64; 2],
+}
+
+/// A crossing that was looked at.
+struct Met {
+    boundary: Boundary,
+    psi: f64,
+    is_silhouette: bool,
+    cell: [f64; 2],
+    /// Of the radiance.
+    jump: DVec3,
+}
+
+/// What was found on a line.
+#[derive(Default)]
+struct OnLine {
+    met: Vec<Met>,
+    /// Where something else begins to be seen, whether it is known why or not.
+    borders: Vec<Border>,
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -77,16 +97,38 @@ impl Finder<'_> {
             Line::lobe(&at, self.axis, choice(2), jitter)
         };
         let Some(line) = line else { return };
-        let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i));
+        let mut on_line = OnLine::default();
+        let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i), &mut on_line);
         for round in 0..ROUNDS as u32 {
             // Both sides of a crossing share their random numbers, and nothing else does.
             let index = PROBE_INDEX + (index[0] * ROUNDS as u32 + round) * 16;
             found = self.probe(
-                &mut at, &line, lane, lanes, is_narrow, &found, depth, stream, index,
+                &line,
+                lane,
+                is_narrow,
+                &found,
+                depth,
+                stream,
+                index,
+                &mut on_line,
             );
             if found.is_empty() {
                 break;
             }
+        }
+        let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
+        let OnLine { met, borders } = on_line;
+        let mut runs = LineRuns::new(self.tracer.geometry, self.adjacency, &line, &point, borders);
+        for met in met {
+            let chance = if met.is_silhouette {
+                runs.chance_of_silhouette(met.psi, met.cell)
+            } else {
+                runs.chance_of_ridge(met.psi)
+            };
+            // One family of lines was drawn, and one lane.
+            let jump = met.jump * (FAMILIES * lanes as f64 / chance);
+            let direction = line.direction(met.psi);
+            self.push(&mut at, &line, lane, met.boundary, direction, jump);
         }
     }
 
@@ -97,6 +139,7 @@ impl Finder<'_> {
         lane: usize,
         seen: Seen,
         choice: impl Fn(u32) -> f64,
+        on_line: &mut OnLine,
     ) -> Vec<Found> {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let points: Vec<(DVec3, u32)> = line
@@ -117,8 +160,6 @@ impl Finder<'_> {
             })
             .collect();
         let mut found: Vec<Found> = Vec::new();
-        let mut silhouettes: Vec<f64> = Vec::new();
-        let mut all_found = true;
         for (i, pair) in points.windows(2).enumerate() {
             let arc = Arc {
                 origin: point.leave(pair[0].0 + pair[1].0).as_dvec3(),
@@ -126,81 +167,25 @@ impl Finder<'_> {
                 b: pair[1].0,
             };
             let ends = [pair[0].1, pair[1].1];
-            let before = found.len();
-            all_found &= self.between(line, &point, &arc, ends, choice(i as u32), &mut found);
-            let silhouettes_here = found[before..].iter().filter(|f| f.is_silhouette);
-            silhouettes.extend(silhouettes_here.map(|f| f.psi));
-        }
-        if all_found {
-            let weights = self.run_weights(line, &point, &points, &silhouettes);
-            for found in &mut found {
-                let run = silhouettes.partition_point(|&p| p < found.psi);
-                found.weight *= if found.is_silhouette {
-                    weights[run].max(weights[run + 1])
-                } else {
-                    weights[run]
-                };
-            }
+            let cell = [line.psi[i], line.psi[i + 1]];
+            let choice = choice(i as u32);
+            found.extend(self.between(line, &point, &arc, cell, ends, choice, on_line));
         }
         found
     }
 
-    /// The weights of the runs between silhouettes ([`Line::run_weights`]), but for those that would have been found without a
-    /// point in them: because what is seen on either side could not be explained otherwise, or because they hide the
-    /// silhouette that would seem to.
-    fn run_weights(
-        &self,
-        line: &Line,
-        point: &SurfacePoint,
-        points: &[(DVec3, u32)],
-        silhouettes: &[f64],
-    ) -> Vec<f64> {
-        let mut weights = line.run_weights(silhouettes);
-        for (run, ends) in silhouettes.windows(2).enumerate() {
-            let weight = &mut weights[run + 1];
-            if *weight <= 1.0 {
-                continue;
-            }
-            let [from, to] = [ends[0], ends[1]];
-            let first = line.psi.partition_point(|&p| p < from);
-            let after = line.psi.partition_point(|&p| p <= to);
-            if first == 0 || first >= after || after == points.len() {
-                *weight = 1.0;
-                continue;
-            }
-            let [(a, seen_a), (b, seen_b)] = [points[first - 1], points[after]];
-            let arc = Arc {
-                origin: point.leave(a + b).as_dvec3(),
-                a,
-                b,
-            };
-            let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
-            let seen = [seen_a, seen_b];
-            let is_found_anyway = match between(geometry, adjacency, &arc, seen, 0.0, PROBE) {
-                Err(_) => true,
-                Ok([Some(crossing), _]) => {
-                    let psi = line.psi_of(arc.direction(crossing.s));
-                    (from - ROUNDING..=to + ROUNDING).contains(&psi)
-                }
-                Ok([None, _]) => false,
-            };
-            if is_found_anyway {
-                *weight = 1.0;
-            }
-        }
-        weights
-    }
-
-    /// Adds what lies on an arc between two directions in which these triangles are seen. Whether all of it was found.
+    /// What lies on an arc, in a cell of the line, between two directions in which these triangles are seen.
+    #[allow(clippy::too_many_arguments)]
     fn between(
         &mut self,
         line: &Line,
         point: &SurfacePoint,
         arc: &Arc,
+        cell: [f64; 2],
         ends: [u32; 2],
         choice: f64,
-        found: &mut Vec<Found>,
-    ) -> bool {
+        on_line: &mut OnLine,
+    ) -> Vec<Found> {
         let (tracer, adjacency) = (self.tracer, self.adjacency);
         let mut probes = Counts::default();
         let seen = |s: f64| point.first_hit(tracer, arc.direction(s), f32::INFINITY, &mut probes);
@@ -215,7 +200,16 @@ impl Finder<'_> {
             Ok((arc, triangles, crossings))
         };
         let (parts, unresolved) = between_halves(ends, seen, find);
-        self.counts.unresolved += unresolved;
+        self.counts.unresolved += unresolved.len() as u64;
+        let psi_at = |s: f64| line.psi_of(arc.direction(s));
+        on_line
+            .borders
+            .extend(unresolved.into_iter().map(|([from, to], seen)| Border {
+                psi: psi_at(0.5 * (from + to)),
+                beside: [from, to].map(psi_at),
+                seen,
+            }));
+        let mut found = Vec::new();
         for (arc, triangles, [silhouette, ridge]) in parts {
             for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
                 let Some(Crossing { boundary, s, count }) = crossing else {
@@ -227,13 +221,14 @@ impl Finder<'_> {
                     s,
                     psi: line.psi_of(arc.direction(s)),
                     is_silhouette,
-                    weight: count as f64,
+                    count,
                     triangles,
+                    cell,
                 });
             }
         }
         *self.counts += probes;
-        unresolved == 0
+        found
     }
 
     /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell. Returns what else
@@ -241,15 +236,14 @@ impl Finder<'_> {
     #[allow(clippy::too_many_arguments)]
     fn probe(
         &mut self,
-        at: &mut LaneSurface,
         line: &Line,
         lane: usize,
-        lanes: u32,
         with_emission: bool,
         found: &[Found],
         depth: u32,
         stream: &Stream,
         index: u32,
+        on_line: &mut OnLine,
     ) -> Vec<Found> {
         let mut rest = Vec::new();
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
@@ -278,16 +272,31 @@ impl Finder<'_> {
                     .radiance_along(rays, depth, with_emission, stream, &index, self.counts);
             for (i, found) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
-                let jump = (before - after) * (FAMILIES * lanes as f64 * found.weight);
+                let seen = [seen[2 * i], seen[2 * i + 1]];
+                let jump = (before - after) * found.count as f64;
+                // Silhouettes may lie behind what is seen.
+                let is_hidden = found.is_silhouette && seen[0] == seen[1];
                 if !jump.is_finite() {
                     self.counts.not_finite += 1;
-                } else if jump != DVec3::ZERO {
-                    let direction = found.arc.direction(found.s).normalize();
-                    self.push(at, line, lane, found.boundary, direction, jump);
+                } else if jump != DVec3::ZERO && !is_hidden {
+                    on_line.met.push(Met {
+                        boundary: found.boundary,
+                        psi: found.psi,
+                        is_silhouette: found.is_silhouette,
+                        cell: found.cell,
+                        jump,
+                    });
                 }
                 if found.is_silhouette {
-                    let seen = [seen[2 * i], seen[2 * i + 1]];
-                    rest.extend(self.rest(line, &point, found, seen));
+                    if seen[0] != seen[1] {
+                        let beside = [found.s - PROBE, found.s + PROBE];
+                        on_line.borders.push(Border {
+                            psi: found.psi,
+                            beside: beside.map(|s| line.psi_of(found.arc.direction(s))),
+                            seen,
+                        });
+                    }
+                    rest.extend(self.rest(line, &point, found, seen, on_line));
                 }
             }
         }
@@ -302,8 +311,9 @@ impl Finder<'_> {
         point: &SurfacePoint,
         found: &Found,
         [before, after]: [u32; 2],
+        on_line: &mut OnLine,
     ) -> Vec<Found> {
-        let Found { arc, s, weight, .. } = *found;
+        let Found { arc, s, cell, .. } = *found;
         let [a, b] = found.triangles;
         let parts = [(0.0, s - PROBE, [a, before]), (s + PROBE, 1.0, [after, b])];
         let mut rest = Vec::new();
@@ -316,12 +326,9 @@ impl Finder<'_> {
                 b: arc.direction(to),
                 ..arc
             };
-            let mut found = Vec::new();
-            self.between(line, point, &arc, triangles, 0.0, &mut found);
+            let found = self.between(line, point, &arc, cell, triangles, 0.0, on_line);
             // Edges within what is seen were chosen for the whole cell already.
-            found.retain(|f| f.is_silhouette);
-            found.iter_mut().for_each(|f| f.weight = weight);
-            rest.extend(found);
+            rest.extend(found.into_iter().filter(|f| f.is_silhouette));
         }
         rest
     }

@@ -3,7 +3,7 @@
 
 use super::bounce_cells::{FAMILIES, Finder};
 use super::bounce_lines::{LaneSurface, Line, Lobe};
-use super::occluders::{Shadows, SurfacePoint, shadow_edges};
+use super::occluders::{SurfacePoint, shadow_edges};
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
 use crate::lanes::LANES;
 use crate::trace::Coherence;
@@ -70,7 +70,7 @@ impl Finder<'_> {
     fn shadows(&mut self, lane: usize, line: &Line, open: &[bool], radiance: DVec3) {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let directions: Vec<DVec3> = line.psi.iter().map(|&psi| line.direction(psi)).collect();
-        let Shadows { edges, all_found } = shadow_edges(
+        let edges = shadow_edges(
             self.tracer,
             self.adjacency,
             &point,
@@ -79,23 +79,14 @@ impl Finder<'_> {
             self.counts,
         );
         let psi: Vec<f64> = edges.iter().map(|e| line.psi_of(e.direction)).collect();
-        let weights = line.run_weights(&psi);
+        let weights = line.runs(&psi).weights_of_shadows(open[0]);
         let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-        for (i, (edge, psi)) in edges.into_iter().zip(psi).enumerate() {
-            let weight = if all_found {
-                weights[i].max(weights[i + 1])
-            } else {
-                1.0
+        for ((edge, psi), weight) in edges.into_iter().zip(psi).zip(weights) {
+            let Some(boundary) = edge.boundary else {
+                continue;
             };
             let jump = radiance * (edge.sign * weight * FAMILIES);
-            self.push(
-                &mut at,
-                line,
-                lane,
-                edge.boundary,
-                line.direction(psi),
-                jump,
-            );
+            self.push(&mut at, line, lane, boundary, line.direction(psi), jump);
         }
     }
 }

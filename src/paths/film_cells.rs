@@ -273,7 +273,7 @@ impl<'a> Cell<'a> {
         let find = |place, triangles| self.part(place, triangles).crossings(choice);
         let (found, unresolved) = between_halves(self.triangles, seen, find);
         counts.probe += probes;
-        counts.unresolved += unresolved;
+        counts.unresolved += unresolved.len() as u64;
         found.into_iter().flatten().flatten().collect()
     }
 

@@ -13,6 +13,7 @@
 
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of, leave, to_rays};
+use super::runs::Runs;
 use super::store::{LightCrossing, Vertices};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
@@ -29,8 +30,6 @@ const RIM: f32 = 1e-4;
 
 /// Jittered points between the ends of a line.
 const INNER_POINTS: usize = 2;
-/// Shorter runs than this part of the spacing are weighed as if they were this long.
-const SHORTEST_RUN: f64 = 1e-3;
 
 /// The lines of each lane: of fixed r and of fixed s, both uniform, and where their inner points lie.
 pub struct Lines {
@@ -110,8 +109,10 @@ pub fn find(
         });
         let jumps = visible.windows(2).fold(0, |bits, v| bits | (v[0] ^ v[1]));
         for lane in (0..LANES).filter(|&l| (active & jumps) >> l & 1 == 1) {
-            let first = out.len();
-            let mut all_found = true;
+            let [from, to] = [ends[0][lane] as f64, ends[1][lane] as f64];
+            let spacing = (to - from) / INNER_POINTS as f64;
+            let mut found = Vec::new();
+            let mut places = Vec::new();
             for i in 0..=INNER_POINTS {
                 let end = |i: usize| (positions[i][lane], visible[i] >> lane & 1 == 1);
                 let ends = [end(i), end(i + 1)];
@@ -125,35 +126,21 @@ pub fn find(
                     fixed: fixed[lane],
                     ends,
                 };
-                match cell.resolve(tracer, adjacency, surface, vertices, counts) {
-                    Some(crossing) => out.push(crossing),
-                    None => {
-                        counts.unresolved += 1;
-                        all_found = false;
-                    }
-                }
+                let crossing = cell.resolve(tracer, adjacency, surface, vertices, counts);
+                counts.unresolved += crossing.is_none() as u64;
+                let middle = 0.5 * (ends[0].0 as f64 + ends[1].0 as f64);
+                let at = crossing.as_ref().map_or(middle, |c| c.at[axis]);
+                places.push((at - from) / spacing);
+                found.push(crossing);
             }
-            if all_found {
-                let spacing = (ends[1][lane] - ends[0][lane]) / INNER_POINTS as f32;
-                weigh_short_runs(&mut out[first..], axis, spacing as f64);
+            let weights = Runs::new(places).weights_of_shadows(visible[0] >> lane & 1 == 1);
+            for (crossing, weight) in found.into_iter().zip(weights) {
+                out.extend(crossing.map(|crossing| LightCrossing {
+                    radiance_per_side: crossing.radiance_per_side.map(|r| r * weight as f32),
+                    ..crossing
+                }));
             }
         }
-    }
-}
-
-/// An interval of shadow (or light) shorter than the spacing of the points is met by one of them with the chance
-/// length/spacing: when it is met, its two ends stand for all that are not.
-fn weigh_short_runs(crossings: &mut [LightCrossing], axis: usize, spacing: f64) {
-    let at: Vec<f64> = crossings.iter().map(|c| c.at[axis]).collect();
-    let weight = |from: usize| {
-        let length = (at[from + 1] - at[from]).abs().max(SHORTEST_RUN * spacing);
-        (spacing / length).max(1.0)
-    };
-    for (i, crossing) in crossings.iter_mut().enumerate() {
-        let before = if i > 0 { weight(i - 1) } else { 1.0 };
-        let after = if i + 1 < at.len() { weight(i) } else { 1.0 };
-        let weight = before.max(after) as f32;
-        crossing.radiance_per_side = crossing.radiance_per_side.map(|r| r * weight);
     }
 }
 

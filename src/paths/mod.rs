@@ -3,6 +3,7 @@
 pub mod bounce;
 pub mod bounce_cells;
 pub mod bounce_lines;
+mod bounce_runs;
 mod bounce_surfaces;
 pub mod camera;
 pub mod direct;
@@ -21,6 +22,7 @@ pub mod occluders;
 pub mod random;
 pub mod rays;
 pub mod rough_transmission;
+pub mod runs;
 pub mod sky;
 pub mod sky_cells;
 pub mod store;

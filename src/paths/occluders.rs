@@ -70,16 +70,10 @@ impl SurfacePoint {
     }
 }
 
-/// What hides the sky from a point, along a line of directions.
-pub struct Shadows {
-    pub edges: Vec<ShadowEdge>,
-    /// Whether the end of each shadow was found.
-    pub all_found: bool,
-}
-
-/// An end of a shadow.
+/// An end of what hides the sky from a point, along a line of directions.
 pub struct ShadowEdge {
-    pub boundary: Boundary,
+    /// `None` where it was not found.
+    pub boundary: Option<Boundary>,
     pub direction: DVec3,
     /// +1 if the sky is hidden beyond it, −1 if before it.
     pub sign: f64,
@@ -93,9 +87,8 @@ pub fn shadow_edges(
     directions: &[DVec3],
     is_open: &[bool],
     counts: &mut Counts,
-) -> Shadows {
+) -> Vec<ShadowEdge> {
     let mut edges = Vec::new();
-    let mut all_found = true;
     for i in (0..is_open.len() - 1).filter(|&i| is_open[i] != is_open[i + 1]) {
         let (cell, sign) = if is_open[i] {
             ([1.0, 0.0], 1.0)
@@ -104,19 +97,15 @@ pub fn shadow_edges(
         };
         let along = |s: f64| directions[i] * (1.0 - s) + directions[i + 1] * s;
         let far = f32::INFINITY;
-        match follow_occluders(tracer, adjacency, point, &along, cell, far, counts) {
-            Some(OccluderEnd { edge, at, .. }) => edges.push(ShadowEdge {
-                boundary: Boundary::Edge(edge),
-                direction: along(at),
-                sign,
-            }),
-            None => {
-                counts.unresolved += 1;
-                all_found = false;
-            }
-        }
+        let end = follow_occluders(tracer, adjacency, point, &along, cell, far, counts);
+        counts.unresolved += end.is_none() as u64;
+        edges.push(ShadowEdge {
+            direction: along(end.as_ref().map_or(0.5, |end| end.at)),
+            boundary: end.map(|end| Boundary::Edge(end.edge)),
+            sign,
+        });
     }
-    Shadows { edges, all_found }
+    edges
 }
 
 /// Walks from the occluder that stands in the direction of coordinate `from` toward the free direction of

@@ -4,8 +4,9 @@
 
 use super::bounce_cells::BounceCrossing;
 use super::bounce_lines::{above_horizon, line_weight};
-use super::occluders::{Shadows, SurfacePoint, shadow_edges};
+use super::occluders::{SurfacePoint, shadow_edges};
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
+use super::runs::Runs;
 use super::sky::{Sky, SkyLine};
 use super::store::Vertices;
 use super::surface::Surface;
@@ -20,8 +21,6 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Points on a line besides its ends on the horizon, at quantiles of the line's power.
 const INNER_POINTS: usize = 4;
-/// Runs that are met with less than this chance are weighed as if it were this.
-const SMALLEST_CHANCE: f64 = 1e-3;
 
 /// A lane's line above its horizon.
 struct Seen {
@@ -151,7 +150,7 @@ impl Finder<'_> {
         let Seen { line, psi } = self.seen;
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, self.lane);
         let directions: Vec<DVec3> = psi.iter().map(|&psi| direction(line, psi)).collect();
-        let Shadows { edges, all_found } = shadow_edges(
+        let edges = shadow_edges(
             self.tracer,
             self.adjacency,
             &point,
@@ -160,27 +159,15 @@ impl Finder<'_> {
             self.counts,
         );
         let psi_of = |d: DVec3| line.pole.dot(d).atan2(line.middle.dot(d));
-        let found: Vec<(f64, Boundary, f64)> = edges
-            .into_iter()
-            .map(|e| (psi_of(e.direction), e.boundary, e.sign))
-            .collect();
-        let mut weights = vec![1.0; found.len() + 1];
-        if all_found {
-            for (weight, ends) in weights[1..].iter_mut().zip(found.windows(2)) {
-                *weight = 1.0 / self.chance_of_meeting(ends[0].0, ends[1].0);
+        let psi: Vec<f64> = edges.iter().map(|e| psi_of(e.direction)).collect();
+        let place = |&psi: &f64| self.sky.power_below(line, psi) * INNER_POINTS as f64;
+        let runs = Runs::new(psi.iter().map(place).collect());
+        let weights = runs.weights_of_shadows(open[0]);
+        for ((edge, psi), weight) in edges.into_iter().zip(psi).zip(weights) {
+            if let Some(boundary) = edge.boundary {
+                out.extend(self.crossing(psi, boundary, edge.sign * weight));
             }
         }
-        for (i, &(psi, boundary, sign)) in found.iter().enumerate() {
-            let weight = sign * weights[i].max(weights[i + 1]);
-            out.extend(self.crossing(psi, boundary, weight));
-        }
-    }
-
-    /// See `bounce_lines::Line::run_weights`.
-    fn chance_of_meeting(&self, from: f64, to: f64) -> f64 {
-        let below = |psi: f64| self.sky.power_below(&self.seen.line, psi);
-        let chance = (below(to) - below(from)) * INNER_POINTS as f64;
-        chance.clamp(SMALLEST_CHANCE, 1.0)
     }
 
     fn crossing(&mut self, psi: f64, boundary: Boundary, weight: f64) -> Option<BounceCrossing> {

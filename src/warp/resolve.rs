@@ -26,24 +26,26 @@ pub struct Crossing {
 pub struct Unresolved;
 
 /// Halvings of a cell before it is given up.
-const HALVINGS: u32 = 6;
+const HALVINGS: u32 = 10;
+
+/// A part of a cell, from 0 to 1, whose ends see these triangles.
+pub type Part = ([f64; 2], [u32; 2]);
 
 /// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that explains them, because both
 /// go on behind something that stands between the rays, a ray between them (`seen`: what it sees) says what that is, and
-/// both halves are looked at. Places are parameters from 0 to 1; the number of parts left without an explanation is
-/// returned.
+/// both halves are looked at. The parts left without an explanation are returned, too.
 pub fn between_halves<T>(
     ends: [u32; 2],
     mut seen: impl FnMut(f64) -> u32,
     mut find: impl FnMut([f64; 2], [u32; 2]) -> Result<T, Unresolved>,
-) -> (Vec<T>, u64) {
+) -> (Vec<T>, Vec<Part>) {
     let mut found = Vec::new();
-    let mut unresolved = 0;
+    let mut unresolved = Vec::new();
     let mut parts = vec![([0.0, 1.0], ends, 0)];
     while let Some((place @ [from, to], ends @ [a, b], halvings)) = parts.pop() {
         match find(place, ends) {
             Ok(part) => found.push(part),
-            Err(Unresolved) if halvings == HALVINGS => unresolved += 1,
+            Err(Unresolved) if halvings == HALVINGS => unresolved.push((place, ends)),
             Err(Unresolved) => {
                 let middle = 0.5 * (from + to);
                 let m = seen(middle);
@@ -210,7 +212,7 @@ mod tests {
         };
         let (mut found, unresolved) = between_halves([0, 1], seen, find);
         found.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-        assert_eq!(unresolved, 0);
+        assert!(unresolved.is_empty());
         let ends: Vec<_> = found.iter().map(|part| part.1).collect();
         assert_eq!(ends, [[0, 2], [2, 1]]);
         for ([from, to], [a, b]) in found {
@@ -222,6 +224,6 @@ mod tests {
     fn what_cannot_be_explained_is_counted() {
         let (found, unresolved) = between_halves([0, 1], |_| 0, |_, _| Err::<(), _>(Unresolved));
         assert!(found.is_empty());
-        assert_eq!(unresolved, 1);
+        assert_eq!(unresolved.len(), 1);
     }
 }

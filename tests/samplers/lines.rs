@@ -39,10 +39,9 @@ impl Run {
         if psi[0] > from || psi[psi.len() - 1] < to {
             return;
         }
-        let weights = line.run_weights(&self.ends);
-        // Both ends of a line are always looked at.
-        assert_eq!([weights[0], weights[2]], [1.0; 2]);
-        self.chance = 1.0 / weights[1];
+        let weights = line.runs(&self.ends).weights_of_shadows(true);
+        assert!((weights[0] - weights[1]).abs() < 1e-9, "{weights:?}");
+        self.chance = 1.0 / weights[0];
         let inner = &psi[1..psi.len() - 1];
         self.counts[inner.iter().any(|p| (from..to).contains(p)) as usize] += 1;
     }
