@@ -5,7 +5,7 @@
 
 use super::bounce_cells::{AXIS, FAMILIES, Finder, Seen};
 use super::bounce_lines::{LaneSurface, Line, Lobe};
-use super::bounce_runs::{Border, LineRuns};
+use super::line_runs::{Border, LineRuns, RayLine};
 use super::occluders::{PROBE, SurfacePoint};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
@@ -52,6 +52,27 @@ struct OnLine {
     met: Vec<Met>,
     /// Where something else begins to be seen, whether it is known why or not.
     borders: Vec<Border>,
+}
+
+/// A line, and where its rays start.
+struct FromHere<'a> {
+    line: &'a Line,
+    point: &'a SurfacePoint,
+}
+
+impl RayLine for FromHere<'_> {
+    fn arc(&self, ends: [f64; 2]) -> Arc {
+        let [a, b] = ends.map(|psi| self.line.direction(psi));
+        Arc {
+            origin: self.point.leave(a + b).as_dvec3(),
+            a,
+            b,
+        }
+    }
+
+    fn coordinate(&self, arc: &Arc, _: [f64; 2], s: f64) -> f64 {
+        self.line.psi_of(arc.direction(s))
+    }
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -118,10 +139,17 @@ impl Finder<'_> {
         }
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let OnLine { met, borders } = on_line;
-        let mut runs = LineRuns::new(self.tracer.geometry, self.adjacency, &line, &point, borders);
+        let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
+        let from_here = FromHere {
+            line: &line,
+            point: &point,
+        };
+        let mut runs = LineRuns::new(geometry, adjacency, &from_here, borders, |psi| {
+            line.runs(&psi)
+        });
         for met in met {
             let chance = if met.is_silhouette {
-                runs.chance_of_silhouette(met.psi, met.cell)
+                runs.chance_of_border(met.psi, met.cell)
             } else {
                 runs.chance_of_ridge(met.psi)
             };
@@ -205,7 +233,7 @@ impl Finder<'_> {
         on_line
             .borders
             .extend(unresolved.into_iter().map(|([from, to], seen)| Border {
-                psi: psi_at(0.5 * (from + to)),
+                at: psi_at(0.5 * (from + to)),
                 beside: [from, to].map(psi_at),
                 seen,
             }));
@@ -291,7 +319,7 @@ impl Finder<'_> {
                     if seen[0] != seen[1] {
                         let beside = [found.s - PROBE, found.s + PROBE];
                         on_line.borders.push(Border {
-                            psi: found.psi,
+                            at: found.psi,
                             beside: beside.map(|s| line.psi_of(found.arc.direction(s))),
                             seen,
                         });

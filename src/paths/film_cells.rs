@@ -11,6 +11,7 @@
 
 use super::film_runs;
 use super::lattice::Tile;
+use super::line_runs::Border;
 use super::rays::{RayPacket, from_lanes};
 use super::store::FilmCrossing;
 use super::tile::to_rgb;
@@ -23,7 +24,7 @@ use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
 use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
 const PROBE_PIXELS: f64 = 1e-3;
@@ -48,15 +49,17 @@ pub(super) struct Candidate<'a> {
     pub is_silhouette: bool,
 }
 
-/// A crossing that was looked at.
+/// A crossing in the tile at which the radiance jumps.
 pub(super) struct Met {
     pub line: LatticeLine,
     /// Distance from the line's first point in steps of the lattice.
     pub steps: f64,
     pub is_silhouette: bool,
-    /// If it lies in the tile and the radiance jumps there.
-    pub crossing: Option<FilmCrossing>,
+    pub crossing: FilmCrossing,
 }
+
+/// Where something else begins to be seen on lines of the lattice; coordinates are steps from the line's first point.
+pub(super) type Borders = BTreeMap<LatticeLine, Vec<Border>>;
 
 /// A row (axis 0) or a column (axis 1) of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -82,6 +85,7 @@ pub fn find(
     };
     let [columns, rows] = tile.points;
     let mut candidates = Vec::new();
+    let mut borders = Borders::new();
     let mut skipped = BTreeSet::new();
     for axis in 0..2 {
         for row in 0..rows - axis {
@@ -119,25 +123,25 @@ pub fn find(
                     weight,
                     ..film.cell(line, at as i64, 1, counts)
                 };
-                candidates.extend(cell.all_crossings(choice, counts));
+                candidates.extend(cell.all_crossings(choice, &mut borders, counts));
             }
         }
     }
     let mut met = Vec::new();
     for _ in 0..ROUNDS {
-        candidates = probe(&film, &candidates, &mut met, counts);
+        candidates = probe(&film, &candidates, &mut met, &mut borders, counts);
         if candidates.is_empty() {
             break;
         }
     }
-    film_runs::weigh_short_runs(&film, &mut met, &skipped, counts);
-    met.into_iter().filter_map(|met| met.crossing).collect()
+    film_runs::weigh(&film, &mut met, borders, &skipped, counts);
+    met.into_iter().map(|met| met.crossing).collect()
 }
 
 /// The cells of a tile's lattice.
 pub(super) struct LatticeCells<'a> {
-    tracer: &'a Tracer<'a>,
-    adjacency: &'a Adjacency,
+    pub tracer: &'a Tracer<'a>,
+    pub adjacency: &'a Adjacency,
     pub tile: &'a Tile,
     image: &'a LatticeImage,
 }
@@ -182,10 +186,39 @@ impl<'a> LatticeCells<'a> {
         }
     }
 
-    /// Distance of a film position from a line's first point in steps of the lattice.
-    pub fn steps(&self, line: LatticeLine, at: [f64; 2]) -> f64 {
-        (at[line.axis] - self.tile.first[line.axis]) / self.tile.step[line.axis]
+    /// The direction at a distance from a line's first point in steps of the lattice.
+    pub fn direction(&self, line: LatticeLine, steps: f64) -> DVec3 {
+        let mut at = self.position(line, 0);
+        at[line.axis] += steps * self.tile.step[line.axis];
+        dvec3(self.tracer.camera.direction(at[0], at[1]))
     }
+
+    /// Adds where something else begins to be seen in a cell that was not searched, or lies beyond the lattice.
+    pub fn find_borders(
+        &self,
+        line: LatticeLine,
+        cell: i64,
+        borders: &mut Borders,
+        counts: &mut Counts,
+    ) {
+        let cell = self.cell(line, cell, 1, counts);
+        let mut found = cell.all_crossings(0.0, borders, counts);
+        for _ in 0..ROUNDS {
+            let mut rest = Vec::new();
+            for candidate in found.iter().filter(|c| c.is_silhouette) {
+                let beside = candidate.beside().map(|at| first_hit(self.tracer, at));
+                counts.probe += 2;
+                candidate.add_border(beside, borders);
+                rest.extend(candidate.rest(beside, borders, counts));
+            }
+            found = rest;
+        }
+    }
+}
+
+/// Distance of a film position from a line's first point in steps of the lattice.
+fn steps(tile: &Tile, line: LatticeLine, at: [f64; 2]) -> f64 {
+    (at[line.axis] - tile.first[line.axis]) / tile.step[line.axis]
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -264,7 +297,12 @@ impl<'a> Cell<'a> {
     }
 
     /// The same where something else may stand in front of both triangles.
-    pub fn all_crossings(&self, choice: f64, counts: &mut Counts) -> Vec<Candidate<'a>> {
+    pub fn all_crossings(
+        &self,
+        choice: f64,
+        borders: &mut Borders,
+        counts: &mut Counts,
+    ) -> Vec<Candidate<'a>> {
         let mut probes = 0;
         let seen = |s: f64| {
             probes += 1;
@@ -274,6 +312,14 @@ impl<'a> Cell<'a> {
         let (found, unresolved) = between_halves(self.triangles, seen, find);
         counts.probe += probes;
         counts.unresolved += unresolved.len() as u64;
+        for ([from, to], seen) in unresolved {
+            let at = |s: f64| steps(self.tile, self.line, self.at(s).0);
+            borders.entry(self.line).or_default().push(Border {
+                at: at(0.5 * (from + to)),
+                beside: [from, to].map(at),
+                seen,
+            });
+        }
         found.into_iter().flatten().flatten().collect()
     }
 
@@ -286,12 +332,43 @@ impl<'a> Cell<'a> {
             ..*self
         }
     }
+}
 
-    /// The silhouettes in the parts on either side of `s`, beside which `seen` is seen: where that is not what the ends
-    /// see, something else ends in between.
-    fn rest(&self, s: f64, seen: [u32; 2], counts: &mut Counts) -> Vec<Candidate<'a>> {
-        let beside = beside(self.tile, self.line.axis) / self.length;
-        let [a, b] = self.triangles;
+impl<'a> Candidate<'a> {
+    /// The film positions on either side, where probes look.
+    fn beside(&self) -> [[f64; 2]; 2] {
+        let axis = self.cell.line.axis;
+        let beside = beside(self.cell.tile, axis);
+        [-beside, beside].map(|side| {
+            let mut at = self.at;
+            at[axis] += side;
+            at
+        })
+    }
+
+    /// Adds a silhouette beside which `seen` is seen, unless it lies behind that.
+    fn add_border(&self, seen: [u32; 2], borders: &mut Borders) {
+        let Cell { tile, line, .. } = self.cell;
+        if seen[0] != seen[1] {
+            borders.entry(line).or_default().push(Border {
+                at: steps(tile, line, self.at),
+                beside: self.beside().map(|at| steps(tile, line, at)),
+                seen,
+            });
+        }
+    }
+
+    /// The silhouettes in the rest of its cell: where what is seen beside it is not what an end of the cell sees, something
+    /// else ends in between.
+    fn rest(
+        &self,
+        seen: [u32; 2],
+        borders: &mut Borders,
+        counts: &mut Counts,
+    ) -> Vec<Candidate<'a>> {
+        let Self { cell, s, .. } = self;
+        let beside = beside(cell.tile, cell.line.axis) / cell.length;
+        let [a, b] = cell.triangles;
         let [before, after] = seen;
         let parts = [
             (0.0, s - beside, [a, before]),
@@ -302,7 +379,9 @@ impl<'a> Cell<'a> {
             if triangles[0] == triangles[1] || from >= to {
                 continue;
             }
-            let found = self.part([from, to], triangles).all_crossings(0.0, counts);
+            let found = cell
+                .part([from, to], triangles)
+                .all_crossings(0.0, borders, counts);
             // Edges within what is seen were chosen for the whole cell already.
             rest.extend(found.into_iter().filter(|c| c.is_silhouette));
         }
@@ -310,11 +389,13 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// Looks on both sides of each candidate in the tile and adds it to `met`. Returns what else must lie in their cells.
+/// Looks on both sides of each candidate, and adds to `met` at which the radiance jumps. Returns what else must lie in their
+/// cells.
 fn probe<'a>(
     film: &LatticeCells<'a>,
     candidates: &[Candidate<'a>],
     met: &mut Vec<Met>,
+    borders: &mut Borders,
     counts: &mut Counts,
 ) -> Vec<Candidate<'a>> {
     let LatticeCells { tracer, tile, .. } = *film;
@@ -322,12 +403,8 @@ fn probe<'a>(
     for (number, group) in candidates.chunks(LANES / 2).enumerate() {
         let mut directions = [Vec3::Z; LANES];
         for (i, candidate) in group.iter().enumerate() {
-            let axis = candidate.cell.line.axis;
-            let beside = beside(tile, axis);
-            for (k, side) in [-beside, beside].into_iter().enumerate() {
-                let mut at = candidate.at;
-                at[axis] += side;
-                directions[2 * i + k] = dvec3(tracer.camera.direction(at[0], at[1])).as_vec3();
+            for (k, [u, v]) in candidate.beside().into_iter().enumerate() {
+                directions[2 * i + k] = dvec3(tracer.camera.direction(u, v)).as_vec3();
             }
         }
         let rays = RayPacket {
@@ -347,22 +424,26 @@ fn probe<'a>(
             let is_finite = jump.iter().all(|j| j.is_finite());
             counts.not_finite += !is_finite as u64;
             let [u, v] = candidate.at;
-            let jumps = is_finite && jump != [0.0; 3] && tile.contains(u, v);
             let line = candidate.cell.line;
-            met.push(Met {
-                line,
-                steps: film.steps(line, candidate.at),
-                is_silhouette: candidate.is_silhouette,
-                crossing: jumps.then_some(FilmCrossing {
-                    boundary: candidate.boundary,
-                    axis: line.axis as u8,
-                    at: candidate.at,
-                    jump,
-                }),
-            });
+            let seen = [seen[2 * i], seen[2 * i + 1]];
+            // Silhouettes may lie behind what is seen.
+            let is_hidden = candidate.is_silhouette && seen[0] == seen[1];
+            if is_finite && jump != [0.0; 3] && !is_hidden && tile.contains(u, v) {
+                met.push(Met {
+                    line,
+                    steps: steps(tile, line, candidate.at),
+                    is_silhouette: candidate.is_silhouette,
+                    crossing: FilmCrossing {
+                        boundary: candidate.boundary,
+                        axis: line.axis as u8,
+                        at: candidate.at,
+                        jump,
+                    },
+                });
+            }
             if candidate.is_silhouette {
-                let seen = [seen[2 * i], seen[2 * i + 1]];
-                rest.extend(candidate.cell.rest(candidate.s, seen, counts));
+                candidate.add_border(seen, borders);
+                rest.extend(candidate.rest(seen, borders, counts));
             }
         }
     }

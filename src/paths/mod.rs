@@ -3,7 +3,6 @@
 pub mod bounce;
 pub mod bounce_cells;
 pub mod bounce_lines;
-mod bounce_runs;
 mod bounce_surfaces;
 pub mod camera;
 pub mod direct;
@@ -16,6 +15,7 @@ mod film_runs;
 pub mod lattice;
 pub mod light_cells;
 pub mod lights;
+mod line_runs;
 pub mod materials;
 pub mod microfacets;
 pub mod occluders;

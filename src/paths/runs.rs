@@ -80,8 +80,13 @@ impl Runs {
         pairs
     }
 
+    /// Whether the runs on either side of a border are long.
+    pub(super) fn is_always_found(&self, border: usize) -> bool {
+        self.overlap([border, border + 1]) >= 1.0 - ROUNDING
+    }
+
     /// The probability of finding a border. `search` is asked what is found between two runs that are not neighbours.
-    pub fn chance_of_border(
+    pub(super) fn chance_of_border(
         &self,
         border: usize,
         known: &mut Known,
@@ -95,8 +100,7 @@ impl Runs {
                     .borders
                     .contains(&border)
         };
-        let neighbours = self.overlap([border, border + 1]);
-        if neighbours >= 1.0 - ROUNDING {
+        if self.is_always_found(border) {
             return 1.0;
         }
         let mut chance = 0.0;
@@ -124,7 +128,7 @@ impl Runs {
     /// before the first border if `begins_open`. A search between what is hidden and what is not finds the border next to the
     /// first (`super::occluders`).
     pub fn weights_of_shadows(&self, begins_open: bool) -> Vec<f64> {
-        let is_open = |run: usize| begins_open == (run % 2 == 0);
+        let is_open = |run: usize| begins_open == run.is_multiple_of(2);
         let mut search = |[j, k]: [usize; 2]| {
             let mut reach = Reach::default();
             match [is_open(j), is_open(k)] {
@@ -141,7 +145,7 @@ impl Runs {
     }
 
     /// The probability that a search looks at what is seen within a run.
-    pub fn chance_of_run(
+    pub(super) fn chance_of_run(
         &self,
         run: usize,
         known: &mut Known,
