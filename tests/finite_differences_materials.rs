@@ -6,6 +6,7 @@ use common::comparison::Interior::{Agrees, Fails};
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
+use glam::{Vec3, vec3};
 use warpath::scene::Distribution::{Beckmann, Ggx};
 use warpath::scene::Scene;
 
@@ -15,6 +16,8 @@ const MOVED: (&str, &[f32]) = ("block.translation", &[1.0, 0.2, 0.1]);
 const LONG_STEP: Option<f64> = Some(0.03);
 /// What can be told of them in a minute; `interior` is off by ten times as much.
 const COARSE: f64 = 0.1;
+/// And where a bias of a few hundredths is looked for.
+const FINE: f64 = 0.007;
 
 fn moved(scene: &Scene, spp: u32, parts: &[(&str, &[f32])]) {
     check(scene, parts, spp, None, Fails);
@@ -36,6 +39,38 @@ fn seen_in_a_narrow_reflection() {
         64,
         &[MOVED],
     );
+}
+
+/// Some of the lobe's directions lie below the horizon, and the camera sees the plate in the floor alone.
+#[test]
+fn seen_in_a_reflection_at_a_grazing_angle() {
+    let plate = parallelogram(vec3(-0.3, 1.9, 1.1), Vec3::X * 0.8, Vec3::Z * 0.7);
+    let scene = small_floor().solid("plate", plate, [0.0; 3]).sky(SKY);
+    let scene = scene.depth(2).metal("floor", 0.14, Ggx);
+    check_to(
+        FINE,
+        &scene,
+        &[("plate.translation", &[1.0, 0.0, 0.2])],
+        1024,
+        Some(0.05),
+        Fails,
+    );
+}
+
+/// Spikes of one body before and behind one another: most silhouettes that walks come to lie behind something, and many are
+/// far from the middle of the lobe.
+#[test]
+fn spikes_seen_in_a_reflection() {
+    let centre = vec3(0.1, 1.9, 1.5);
+    let (mut positions, triangles) = ball(2, centre, 0.5);
+    for (i, p) in positions.iter_mut().enumerate() {
+        let length = if i % 6 == 0 { 1.0 } else { 0.5 };
+        *p = centre + (*p - centre) * length;
+    }
+    let scene = small_floor().smooth("star", (positions, triangles), [0.0; 3]);
+    let scene = scene.sky(SKY).depth(2).metal("floor", 0.05, Ggx);
+    let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
+    check_to(0.01, &scene, &[moved], 1024, Some(0.03), Fails);
 }
 
 #[test]

@@ -19,7 +19,7 @@ const LEAST_SURVIVAL: f32 = 0.1;
 const LEAST_CHANCE: f32 = 0.1;
 
 impl Tracer<'_> {
-    /// Draws the next direction and decides who goes on; `depth` is the vertex's own.
+    /// Draws the next direction and decides who goes on and who looks for silhouettes; `depth` is the vertex's own.
     pub fn bounce(
         &self,
         vertices: &mut Vertices,
@@ -48,19 +48,35 @@ impl Tracer<'_> {
             // A black surface reflects nothing, but more if its colour changes.
             alive = lane_mask(vertices.hit & !vertices.kinds.black);
         }
+        // Bounces below the horizon end, but what the lobe sees above it may still jump.
+        let rough = (vertices.lobes.reflected | vertices.lobes.refracted) & !vertices.kinds.smooth;
+        let arrives = vertices.throughput;
+        let arrives = arrives.x.max(arrives.y).max(arrives.z);
+        let mut looks = alive | (lane_mask(vertices.hit & rough) & arrives.gt(zero));
         let mut survival = Lane::splat(1.0);
+        let mut line_survival = survival;
         if depth + 1 >= self.limits.rr_depth {
             let least = if self.limits.black_goes_on {
                 LEAST_SURVIVAL
             } else {
                 0.0
             };
-            let chance = brightest.max(Lane::splat(least)).min(Lane::splat(0.95));
+            let chance = |brightest: Lane| {
+                let least = Lane::splat(least);
+                brightest.max(least).min(Lane::splat(0.95))
+            };
             let (u, _) = stream.pair(index, base + 4);
-            alive = alive & u.lt(chance);
-            survival = Lane::splat(1.0) / chance;
+            let [of_path, of_line] = [
+                chance(brightest),
+                chance(<Lane as Real>::select(alive, brightest, arrives)),
+            ];
+            alive = alive & u.lt(of_path);
+            looks = looks & u.lt(of_line);
+            survival = Lane::splat(1.0) / of_path;
+            line_survival = Lane::splat(1.0) / of_line;
         }
         vertices.survival = <Lane as Real>::select(alive, survival, zero);
+        vertices.line_survival = <Lane as Real>::select(looks, line_survival, zero);
         let origin = leave(surface.x, surface.geometric, direction);
         let rays = RayPacket {
             active: 0,

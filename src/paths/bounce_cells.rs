@@ -140,7 +140,7 @@ impl Finder<'_> {
             return;
         };
         let chance = self.vertices.lobe_chance.to_array()[lane] as f64;
-        let survival = self.vertices.survival.to_array()[lane] as f64;
+        let survival = self.vertices.line_survival.to_array()[lane] as f64;
         let throughput = lane_of(self.vertices.throughput, lane).as_dvec3();
         let radiance = throughput * value * jump * (weight * survival / chance);
         if !radiance.is_finite() {

@@ -169,6 +169,10 @@ impl<'a> LaneSurface<'a> {
                 let h = (wi + d * ratio).normalize();
                 let h = if h.dot(self.n) < 0.0 { -h } else { h };
                 let (i, o) = (wi.dot(h), d.dot(h));
+                if i <= 0.0 || o >= 0.0 {
+                    // No facet that looks outward refracts into this direction.
+                    return None;
+                }
                 let sum = i + ratio * o;
                 (h, ratio * ratio * o.abs() / (sum * sum))
             }
@@ -239,7 +243,8 @@ impl Line {
     /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points. `None` if all of it lies below the
     /// horizon.
     pub fn lobe(at: &LaneSurface, axis: usize, place: f64, jitter: f64) -> Option<Self> {
-        let (main, _) = at.bounce(DVec3::Z);
+        // Where all light is reflected there is no other direction; any will do.
+        let main = at.bounce(DVec3::Z).0.normalize();
         let frame = frame_of_lane(at.surface, at.lane);
         let view = View::of_lane(at.vertices, at.surface, at.lane);
         let across = at.n.cross(view.world);

@@ -11,6 +11,7 @@ use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::tracer::Counts;
 use crate::lanes::LANES;
+use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::boundary::Boundary;
 use crate::warp::resolve::{Crossing, between, between_halves};
 use crate::warp::walk::Arc;
@@ -76,10 +77,11 @@ impl RayLine for FromHere<'_> {
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 16;
 
 impl Finder<'_> {
-    /// A line among reflecting surfaces, for one lane of the packet.
+    /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
+    /// of a packet see different meshes, a silhouette is near, and all its lanes look for it.
     pub(super) fn surfaces(
         &mut self,
         seen: Seen,
@@ -87,27 +89,76 @@ impl Finder<'_> {
         stream: &Stream,
         index: &[u32; LANES],
     ) {
-        let active = self.rays.active;
-        let lanes = active.count_ones();
-        let number = index[0].wrapping_mul(8).wrapping_add(depth);
-        let choice = |salt: u32| stream.uniform(AXIS + number * 16 + salt) as f64;
-        let chosen = ((choice(1) * lanes as f64) as u32).min(lanes.max(1) - 1);
-        let Some(lane) = (0..LANES)
-            .filter(|&l| active >> l & 1 == 1)
-            .nth(chosen as usize)
-        else {
-            return;
-        };
+        let environment = &self.tracer.scene.environment;
+        let has_even_sky = environment.as_ref().is_some_and(|e| e.map.is_none());
+        let [mut narrow, mut others] = [0u32; 2];
+        let looks = self.vertices.line_survival.to_array();
+        for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
+            match Lobe::of_lane(self.vertices, lane) {
+                None => {}
+                Some(lobe) if self.is_narrow(lobe, lane) => narrow |= 1 << lane,
+                // What light samples find at the last vertex has lines of its own, on the lights.
+                Some(_) if self.at_last && !has_even_sky => {}
+                Some(_) => others |= 1 << lane,
+            }
+        }
+        for (group, lanes) in [narrow, others].into_iter().enumerate() {
+            let count = lanes.count_ones();
+            if count == 0 {
+                continue;
+            }
+            let all = group == 0 && self.sees_several(seen, lanes & self.rays.active);
+            let dimension = AXIS + index[0] * 128 + depth * 2 + group as u32;
+            let chosen = (stream.uniform(dimension) * count as f32) as u32;
+            let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
+            for (number, lane) in lanes.enumerate() {
+                if all {
+                    self.line_of_lane(lane, 1.0, seen, depth, stream, index[lane]);
+                } else if number as u32 == chosen.min(count - 1) {
+                    self.line_of_lane(lane, count as f64, seen, depth, stream, index[lane]);
+                }
+            }
+        }
+    }
+
+    /// Whether light samples are of no use to a lobe.
+    fn is_narrow(&self, lobe: Lobe, lane: usize) -> bool {
+        lobe != Lobe::Diffuse && self.vertices.kinds.wide >> lane & 1 == 0
+    }
+
+    /// Whether these lanes' bounces end on different meshes.
+    fn sees_several(&self, seen: Seen, lanes: u32) -> bool {
+        match seen {
+            Seen::Environment(free) => free & lanes != 0 && free & lanes != lanes,
+            Seen::Triangles(triangles) => {
+                let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
+                let mesh = |triangle: u32| {
+                    (triangle != NO_TRIANGLE)
+                        .then(|| self.tracer.geometry.mesh_of_triangle[triangle as usize])
+                };
+                let mut meshes = lanes.map(|l| mesh(triangles[l]));
+                let first = meshes.next();
+                meshes.any(|m| Some(m) != first)
+            }
+        }
+    }
+
+    /// A line for one lane of the packet, which stands for as many as `weight`.
+    fn line_of_lane(
+        &mut self,
+        lane: usize,
+        weight: f64,
+        seen: Seen,
+        depth: u32,
+        stream: &Stream,
+        index: u32,
+    ) {
         let Some(lobe) = Lobe::of_lane(self.vertices, lane) else {
             return;
         };
-        let scene = self.tracer.scene;
-        // What light samples find at the last vertex has lines of its own, on the lights.
-        let is_narrow = lobe != Lobe::Diffuse && self.vertices.kinds.wide >> lane & 1 == 0;
-        let has_even_sky = scene.environment.as_ref().is_some_and(|e| e.map.is_none());
-        if self.at_last && !has_even_sky && !is_narrow {
-            return;
-        }
+        let is_narrow = self.is_narrow(lobe, lane);
+        let number = index.wrapping_mul(8).wrapping_add(depth);
+        let choice = |salt: u32| stream.uniform(AXIS + number * 16 + salt) as f64;
         let mut at = LaneSurface::new(self.vertices, self.surface, lane, lobe);
         let jitter = self.jitter[lane] as f64;
         let line = if lobe == Lobe::Diffuse {
@@ -115,14 +166,14 @@ impl Finder<'_> {
             let is_known = matches!(seen, Seen::Triangles(_));
             Some(Line::diffuse(&at, bounce, self.axis, jitter, is_known))
         } else {
-            Line::lobe(&at, self.axis, choice(2), jitter)
+            Line::lobe(&at, (choice(1) * FAMILIES) as usize, choice(2), jitter)
         };
         let Some(line) = line else { return };
         let mut on_line = OnLine::default();
         let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i), &mut on_line);
         for round in 0..ROUNDS as u32 {
             // Both sides of a crossing share their random numbers, and nothing else does.
-            let index = PROBE_INDEX + (index[0] * ROUNDS as u32 + round) * 16;
+            let index = PROBE_INDEX + (index * ROUNDS as u32 + round) * 16;
             found = self.probe(
                 &line,
                 lane,
@@ -153,8 +204,7 @@ impl Finder<'_> {
             } else {
                 runs.chance_of_ridge(met.psi)
             };
-            // One family of lines was drawn, and one lane.
-            let jump = met.jump * (FAMILIES * lanes as f64 / chance);
+            let jump = met.jump * (FAMILIES * weight / chance);
             let direction = line.direction(met.psi);
             self.push(&mut at, &line, lane, met.boundary, direction, jump);
         }

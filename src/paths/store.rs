@@ -50,6 +50,9 @@ pub struct Vertices {
     pub weight: V3<Lane>,
     /// 1/(chance of going on), 0 where the path ends here.
     pub survival: Lane,
+    /// 1/(chance of looking for silhouettes over the hemisphere), 0 where none are looked for. Not `survival` where a rough lobe's
+    /// bounce ends below the horizon: the lobe itself does not.
+    pub line_survival: Lane,
     /// The shadow edges on this vertex's light lines, as a range of the tile's list.
     pub crossings: [u32; 2],
     /// The silhouettes on its bounce lines, likewise.
@@ -146,6 +149,7 @@ impl Default for Vertices {
             lobe_chance: one,
             weight: V3::splat(0.0),
             survival: zero,
+            line_survival: zero,
             crossings: [0; 2],
             bounce_crossings: [0; 2],
             delta_lights: [0; 2],

@@ -217,8 +217,17 @@ impl Tracer<'_> {
                     throughput = throughput.times(vertices.weight) * vertices.survival;
                     coherence = Coherence::Incoherent;
                     let last = !goes_on;
+                    let looks = vertices.line_survival.gt(Lane::splat(0.0)).to_bits() != 0;
                     store.vertices.push(vertices);
                     if alive == 0 {
+                        if let (Some(adjacency), true) = (self.adjacency, looks) {
+                            let seen = Seen::Triangles(&[NO_TRIANGLE; LANES]);
+                            let depth = depth + 1;
+                            bounce_cells::find(
+                                self, adjacency, &surface, &rays, seen, depth, stream, index,
+                                counts, store,
+                            );
+                        }
                         return;
                     }
                     if last && !has_lights {
