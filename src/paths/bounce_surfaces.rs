@@ -77,7 +77,7 @@ impl RayLine for FromHere<'_> {
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
-const ROUNDS: usize = 16;
+const ROUNDS: usize = 4;
 
 impl Finder<'_> {
     /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
