@@ -336,20 +336,6 @@ impl Line {
         };
         part * INNER_POINTS as f64
     }
-
-    /// The ψ at a place.
-    pub fn psi_at(&self, place: f64) -> f64 {
-        let part = place / INNER_POINTS as f64;
-        let psi = match self.spread {
-            Spread::Diffuse => PI * part - FRAC_PI_2,
-            Spread::Lobe { width } => {
-                let q = 2.0 * part - 1.0;
-                width * q / (1.0 - q * q).max(1e-12).sqrt()
-            }
-        };
-        let [low, high] = [self.psi[0], self.psi[self.psi.len() - 1]];
-        psi.clamp(low, high)
-    }
 }
 
 /// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since the directions of its
