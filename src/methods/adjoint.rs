@@ -1,6 +1,7 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
 use super::groups::GroupImages;
+use super::spare::Spare;
 use super::stage::{Stage, StageClock};
 use super::{
     BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
@@ -11,11 +12,11 @@ use crate::gradient::reverse::ReverseSweep;
 use crate::lanes::LANES;
 use crate::paths::film::{Block, gather_point, gather_row};
 use crate::paths::rays::from_lanes;
+use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
 use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
-use std::sync::Mutex;
 use std::time::Instant;
 
 /// The image that an objective is measured on gets its own random numbers: a loss and its derivative from the same
@@ -51,7 +52,7 @@ pub fn backward(
         wanted: &wanted,
         visibility,
     };
-    let scratch: Mutex<Vec<TileSums>> = Mutex::new(Vec::new());
+    let (stores, scratch) = (Spare::new(), Spare::new());
     let mut images = GroupImages::new(&stage);
     let mut sums: Vec<FilmSums> = Vec::new();
     let mut counts = Counts::default();
@@ -60,19 +61,18 @@ pub fn backward(
         |group, index| {
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
-            let traced =
-                TracedTile::trace(&tracer, &stage.filter, tile, true, |a, b| sweep.moves(a, b));
+            let store = stores.take(TileStore::default);
+            let moves = |a, b| sweep.moves(a, b);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves, store);
             let start = clock.add_primal(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
-            let free = scratch.lock().map_or(None, |mut s| s.pop());
             let mut tile_sums =
-                free.unwrap_or_else(|| TileSums::new(scene, &stage.parts.geometry, &wanted));
+                scratch.take(|| TileSums::new(scene, &stage.parts.geometry, &wanted));
             let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
             clock.add_adjoint(start);
-            if let Ok(mut scratch) = scratch.lock() {
-                scratch.push(tile_sums);
-            }
+            scratch.give_back(tile_sums);
+            stores.give_back(traced.store);
             (block, gradient, traced.counts)
         },
         |group, (block, gradient, tile_counts)| {

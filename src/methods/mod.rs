@@ -6,6 +6,7 @@ mod groups;
 mod prepared;
 mod primal;
 mod refusals;
+mod spare;
 mod stage;
 mod tangent;
 

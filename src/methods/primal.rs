@@ -1,9 +1,11 @@
 //! The image itself.
 
 use super::groups::GroupImages;
+use super::spare::Spare;
 use super::stage::{Stage, StageClock};
 use super::{EngineError, Prepared, Progress, Rendering, Settings, Statistics};
 use crate::paths::film::Block;
+use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
 use crate::scene::Rgb;
@@ -54,16 +56,20 @@ fn trace(
 ) -> Result<(), EngineError> {
     let clock = StageClock::start();
     let tracer = stage.tracer();
+    let stores = Spare::new();
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
         |group, index| {
             let start = Instant::now();
             let tile = stage.lattice.tile(index, group, stage.seed);
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, |_, _| false);
+            let store = stores.take(TileStore::default);
+            let traced =
+                TracedTile::trace(&tracer, &stage.filter, tile, false, |_, _| false, store);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             clock.add_primal(start);
+            stores.give_back(traced.store);
             (block, traced.counts)
         },
         |group, (block, tile_counts)| {

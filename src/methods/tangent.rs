@@ -1,6 +1,7 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
 use super::groups::GroupImages;
+use super::spare::Spare;
 use super::stage::{Stage, StageClock};
 use super::{
     EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
@@ -9,6 +10,7 @@ use crate::gradient::forward::ForwardSweep;
 use crate::gradient::motion::Motion;
 use crate::lanes::LANES;
 use crate::paths::film::Block;
+use crate::paths::store::TileStore;
 use crate::paths::tile::{TracedTile, to_rgb};
 use crate::paths::tracer::Counts;
 use crate::scene::SceneDifferential;
@@ -37,6 +39,7 @@ pub fn forward(
     };
 
     let clock = StageClock::start();
+    let stores = Spare::new();
     let mut images = GroupImages::new(&stage);
     let mut gradients = GroupImages::new(&stage);
     let mut counts = Counts::default();
@@ -45,12 +48,14 @@ pub fn forward(
         |group, index| {
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
-            let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves);
+            let store = stores.take(TileStore::default);
+            let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves, store);
             let start = clock.add_primal(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
             let gradient = differentiate(&stage, &sweep, &mut traced);
             clock.add_adjoint(start);
+            stores.give_back(traced.store);
             (image, gradient, traced.counts)
         },
         |group, (image, gradient, tile_counts)| {

@@ -34,16 +34,16 @@ pub struct FilmPacket {
 
 impl TracedTile {
     /// Traces the tile. If the tracer looks for silhouettes the paths are stored, and the film's cells are searched for
-    /// those that `moves`.
+    /// those that `moves`. What `store` holds is thrown away.
     pub fn trace(
         tracer: &Tracer,
         filter: &FilmFilter,
         tile: Tile,
         keep: bool,
         moves: impl Fn(u32, u32) -> bool,
+        mut store: TileStore,
     ) -> Self {
         let [columns, rows] = tile.points;
-        let mut store = TileStore::default();
         store.clear();
         let mut counts = Counts::default();
         let mut image = LatticeImage {
