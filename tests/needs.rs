@@ -2,11 +2,15 @@
 
 mod common;
 
+use common::materials::Paint;
 use common::scenes::*;
+use common::shapes::{Random, soup};
+use common::transposition::rounding;
 use common::{Quiet, direction, flat, settings};
 use glam::vec3;
 use std::collections::BTreeMap;
 use warpath::methods::{Image, Method, Objective, Statistics, backward, forward, render};
+use warpath::scene::Distribution::Ggx;
 use warpath::scene::Scene;
 use warpath::scene::parameters;
 
@@ -15,7 +19,7 @@ type Rays = BTreeMap<&'static str, u64>;
 const SPP: u32 = 16;
 
 /// Rays that only look for silhouettes.
-const SEARCHING: [&str; 3] = ["light_cell", "bounce_cell", "probe"];
+const SEARCHING: [&str; 4] = ["light_cell", "bounce_cell", "sky_cell", "probe"];
 
 /// A block over a floor, and one behind the camera that nothing sees and that throws no shadow anywhere.
 fn room(depth: u32) -> Scene {
@@ -235,6 +239,70 @@ fn rays_are_those_that_the_scene_asks_for() {
     let (_, seen) = forward_rays(&room(1), &moving, Method::Reparam);
     let kinds: Vec<_> = seen.keys().copied().filter(|k| *k != "probe").collect();
     assert_eq!(kinds, ["camera"], "rays at depth 1: {seen:?}");
+}
+
+/// Silhouettes are looked for where one that moves may be found: that changes the rays that are traced, and no gradient. Here
+/// everything counts as moving that a camera at rest sees.
+#[test]
+fn what_rests_is_left_out_and_nothing_else() {
+    let small = |scene: Scene| {
+        let leaf = placed(
+            cuboid(vec3(0.02, 0.15, 0.1)),
+            vec3(10.0, 20.0, 50.0),
+            vec3(-0.5, 0.2, 0.3),
+        );
+        scene.solid("leaf", leaf, [0.5, 0.2, 0.1])
+    };
+    let sky = |scene: Scene| scene.sky([0.2, 0.3, 0.4]);
+    let scenes = [
+        ("lamp", small(room(2))),
+        ("indirect", small(room(4))),
+        ("sky", sky(small(room(3)))),
+        ("sky alone", {
+            let mut scene = sky(small(room(2)));
+            scene.meshes.retain(|m| m.id != "lamp");
+            scene.area_lights.clear();
+            scene
+        }),
+        ("metal", sky(small(room(3))).metal("floor", 0.05, Ggx)),
+        ("map", small(room(3)).sunny()),
+        // Thinner than the film's cells, whose ends both see the grass, which rests.
+        ("grass", {
+            let wire = parallelogram(
+                vec3(-0.5, 0.0, 0.9),
+                vec3(1.0, 0.1, 0.0),
+                vec3(0.0, 0.0, 0.003),
+            );
+            let (positions, triangles) = soup(&mut Random::new(3), 200, 0.3);
+            let grass = (positions.into_iter().map(|p| p * 0.8).collect(), triangles);
+            room(1)
+                .solid("leaf", wire, [0.0; 3])
+                .light("grass", grass, [1.0, 0.5, 0.2])
+        }),
+    ];
+    for (what, scene) in scenes {
+        for moving in ["leaf", "block", "lamp", "floor"] {
+            if scene.meshes.iter().all(|m| m.id != moving) {
+                continue;
+            }
+            let key = format!("{moving}.translation");
+            let own = (key.as_str(), [1.0, 0.3, 0.2].as_slice());
+            let (alone, few) = forward_rays(&scene, &[own], Method::Reparam);
+            let camera: (&str, &[f32]) = ("cam.translation", &[0.0; 3]);
+            let (all, many) = forward_rays(&scene, &[own, camera], Method::Reparam);
+            let largest = all.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            for (a, b) in alone.iter().zip(&all) {
+                let allowed = rounding(scene.integrator.max_depth) * largest;
+                assert!((a - b).abs() <= allowed, "{what}, {moving}: {a} {b}");
+            }
+            let searching = |rays: &Rays| SEARCHING.map(|kind| count(rays, kind)).iter().sum();
+            let [few, many]: [u64; 2] = [searching(&few), searching(&many)];
+            assert!(few <= many, "{what}, {moving}: {few} rays of {many}");
+            if moving == "leaf" {
+                assert!(few < many / 2, "{what}: {few} rays of {many}");
+            }
+        }
+    }
 }
 
 /// The reverse sweep traces no ray: both modes trace the same.

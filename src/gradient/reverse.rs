@@ -16,7 +16,6 @@ use crate::paths::materials::slot_values;
 use crate::paths::rays::lane_of;
 use crate::paths::store::{TileStore, Vertices, lane_mask, masked};
 use crate::paths::tracer::Tracer;
-use crate::trace::geometry::NO_TRIANGLE;
 use glam::Vec3;
 
 /// Runs adjoint sweeps over a tile's store.
@@ -359,11 +358,5 @@ impl ReverseSweep<'_> {
                 });
         }
         bars.b = b_bar.map(Lane::new);
-    }
-
-    /// Whether a boundary between what two triangles show can move.
-    pub fn moves(&self, a: u32, b: u32) -> bool {
-        let of = |t: u32| t != NO_TRIANGLE && self.wanted.moves(self.tracer.geometry, t);
-        self.wanted.camera || of(a) || of(b)
     }
 }

@@ -62,8 +62,7 @@ pub fn backward(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
-            let moves = |a, b| sweep.moves(a, b);
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves, store);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
             let start = clock.add_primal(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);

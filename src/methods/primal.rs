@@ -64,8 +64,7 @@ fn trace(
             let start = Instant::now();
             let tile = stage.lattice.tile(index, group, stage.seed);
             let store = stores.take(TileStore::default);
-            let traced =
-                TracedTile::trace(&tracer, &stage.filter, tile, false, |_, _| false, store);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, store);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             clock.add_primal(start);

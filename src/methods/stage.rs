@@ -8,6 +8,7 @@ use crate::paths::camera::Camera;
 use crate::paths::film::FilmFilter;
 use crate::paths::lattice::Lattice;
 use crate::paths::lights::Lights;
+use crate::paths::moving::Moving;
 use crate::paths::tracer::{Counts, PathLimits, Tracer};
 use crate::scene::{Film, Rgb, Scene, SceneDifferential};
 use crate::warp::adjacency::Adjacency;
@@ -25,6 +26,7 @@ pub struct Stage<'a> {
     pub parts: Parts,
     /// Whether silhouettes are asked for.
     visibility: bool,
+    moving: Moving,
     pub camera: Camera,
     pub lattice: Lattice,
     pub filter: FilmFilter,
@@ -96,6 +98,7 @@ impl<'a> Stage<'a> {
             scene,
             parts,
             visibility,
+            moving: Moving::default(),
             camera: Camera::new(&sensor),
             lattice,
             filter,
@@ -113,8 +116,9 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Sees to it that what is black now, and asked about, is sampled all the same.
+    /// Sees to it that what is asked about is looked for where it moves, and sampled where it is black now.
     pub fn ask_about(&mut self, request: &SceneDifferential) {
+        self.moving = Moving::new(self.scene, &self.parts.geometry, request);
         self.limits.black_goes_on = refusals::asks_about_black(self.scene, request);
         if self
             .scene
@@ -141,6 +145,7 @@ impl<'a> Stage<'a> {
                 true => self.parts.adjacency.get(),
                 false => None,
             },
+            moving: &self.moving,
         }
     }
 

@@ -32,11 +32,6 @@ pub fn forward(
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let tracer = stage.tracer();
     let sweep = ForwardSweep::new(&tracer, &motion, visibility);
-    let moves = |a: u32, b: u32| {
-        motion.camera.is_some()
-            || motion.moves(&stage.parts.geometry, a)
-            || motion.moves(&stage.parts.geometry, b)
-    };
 
     let clock = StageClock::start();
     let stores = Spare::new();
@@ -49,7 +44,7 @@ pub fn forward(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
-            let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, moves, store);
+            let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
             let start = clock.add_primal(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);

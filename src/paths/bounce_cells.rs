@@ -122,6 +122,12 @@ pub(super) struct Finder<'a> {
 }
 
 impl Finder<'_> {
+    /// Whether something may be found on a line that moves as seen by its lane.
+    pub(super) fn moves(&self, lane: usize, line: &Line, at: &LaneSurface) -> bool {
+        let x = lane_of(self.surface.x, lane).as_dvec3();
+        self.vertices.moves >> lane & 1 == 1 || self.tracer.moving.meets(&line.sector(x, at))
+    }
+
     pub(super) fn push(
         &mut self,
         at: &mut LaneSurface,

@@ -16,6 +16,7 @@
 //! with the lobe's width across its own axis.
 
 use super::bounce::{View, frame_of_lane};
+use super::moving::Sector;
 use super::rays::lane_of;
 use super::runs::Runs;
 use super::store::Vertices;
@@ -305,6 +306,15 @@ impl Line {
     /// Where a direction on the line lies on it.
     pub fn psi_of(&self, direction: DVec3) -> f64 {
         self.pole.dot(direction).atan2(self.middle.dot(direction))
+    }
+
+    /// Where it can see something from `x`.
+    pub fn sector(&self, x: DVec3, at: &LaneSurface) -> Sector {
+        Sector {
+            origin: x,
+            normal: self.pole.cross(self.middle),
+            inward: [self.middle, at.n * at.side()],
+        }
     }
 
     /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f cosθ, if F = `c`·d.

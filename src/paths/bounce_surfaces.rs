@@ -169,6 +169,9 @@ impl Finder<'_> {
             Line::lobe(&at, (choice(1) * FAMILIES) as usize, choice(2), jitter)
         };
         let Some(line) = line else { return };
+        if !self.moves(lane, &line, &at) {
+            return;
+        }
         let mut on_line = OnLine::default();
         let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i), &mut on_line);
         for round in 0..ROUNDS as u32 {
@@ -324,6 +327,7 @@ impl Finder<'_> {
         on_line: &mut OnLine,
     ) -> Vec<Found> {
         let mut rest = Vec::new();
+        let geometry = self.tracer.geometry;
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
@@ -335,8 +339,8 @@ impl Finder<'_> {
                 }
             }
             let directions = from_lanes(&directions);
-            let geometric = from_lanes(&[point.geometric; LANES]);
-            let origin = leave(from_lanes(&[point.x; LANES]), geometric, directions);
+            let normal = from_lanes(&[point.geometric; LANES]);
+            let origin = leave(from_lanes(&[point.x; LANES]), normal, directions);
             let rays = RayPacket {
                 active: packet,
                 origin,
@@ -345,9 +349,22 @@ impl Finder<'_> {
                 far: f32::INFINITY,
             };
             let index = std::array::from_fn(|l| index + (number * LANES / 2 + l / 2) as u32);
-            let (radiance, seen) =
-                self.tracer
-                    .radiance_along(rays, depth, with_emission, stream, &index, self.counts);
+            let moves = |f: &Found| {
+                self.vertices.moves >> lane & 1 == 1
+                    || self.tracer.moving.boundary(geometry, &f.boundary)
+            };
+            let wanted = (0..group.len())
+                .filter(|&i| moves(&group[i]))
+                .fold(0, |bits, i| bits | 3 << (2 * i));
+            let (radiance, seen) = self.tracer.radiance_along(
+                rays,
+                wanted,
+                depth,
+                with_emission,
+                stream,
+                &index,
+                self.counts,
+            );
             for (i, found) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
                 let seen = [seen[2 * i], seen[2 * i + 1]];

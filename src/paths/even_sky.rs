@@ -18,11 +18,13 @@ impl Finder<'_> {
         let radiance = Vec3::from(self.tracer.scene.constant(environment.radiance)).as_dvec3();
         let active = self.rays.active;
         let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
-            (active >> lane & 1 == 1).then(|| {
-                let at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-                let bounce = lane_of(self.rays.direction, lane).as_dvec3().normalize();
-                Line::diffuse(&at, bounce, self.axis, self.jitter[lane] as f64, true)
-            })
+            if active >> lane & 1 == 0 {
+                return None;
+            }
+            let at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
+            let bounce = lane_of(self.rays.direction, lane).as_dvec3().normalize();
+            let line = Line::diffuse(&at, bounce, self.axis, self.jitter[lane] as f64, true);
+            self.moves(lane, &line, &at).then_some(line)
         });
         let points = lines.iter().flatten().map(|l| l.psi.len()).max();
         let open: Vec<u32> = (0..points.unwrap_or(0))

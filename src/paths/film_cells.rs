@@ -12,6 +12,7 @@
 use super::film_runs;
 use super::lattice::Tile;
 use super::line_runs::Border;
+use super::moving::Sector;
 use super::rays::{RayPacket, from_lanes};
 use super::store::FilmCrossing;
 use super::tile::to_rgb;
@@ -68,13 +69,12 @@ pub(super) struct LatticeLine {
     pub number: usize,
 }
 
-/// The crossings between all neighbours for which `moves(a, b)` says that the boundary between their triangles can move.
+/// The crossings between all neighbours between which something that moves may be seen.
 pub fn find(
     tracer: &Tracer,
     adjacency: &Adjacency,
     tile: &Tile,
     image: &LatticeImage,
-    moves: impl Fn(u32, u32) -> bool,
     counts: &mut Counts,
 ) -> Vec<FilmCrossing> {
     let film = LatticeCells {
@@ -102,7 +102,7 @@ pub fn find(
                 if !tile.is_inner(1 - axis, number) || !differ {
                     continue;
                 }
-                if !moves(a, b) {
+                if !film.moves(line, at) {
                     skipped.insert((line, at as i64));
                     continue;
                 }
@@ -121,6 +121,7 @@ pub fn find(
                 }
                 let cell = Cell {
                     weight,
+                    number: (axis * columns * rows + point) as u32,
                     ..film.cell(line, at as i64, 1, counts)
                 };
                 candidates.extend(cell.all_crossings(choice, &mut borders, counts));
@@ -128,8 +129,8 @@ pub fn find(
         }
     }
     let mut met = Vec::new();
-    for _ in 0..ROUNDS {
-        candidates = probe(&film, &candidates, &mut met, &mut borders, counts);
+    for round in 0..ROUNDS as u32 {
+        candidates = probe(&film, &candidates, round, &mut met, &mut borders, counts);
         if candidates.is_empty() {
             break;
         }
@@ -183,7 +184,15 @@ impl<'a> LatticeCells<'a> {
             length: steps as f64 * self.tile.step[line.axis],
             triangles: [at, at + steps].map(|at| self.triangle(line, at, counts)),
             weight: 1,
+            number: 0,
         }
+    }
+
+    /// Whether something that moves may be seen between point number `at` of a line and the next.
+    fn moves(&self, line: LatticeLine, at: usize) -> bool {
+        let [a, b] = [at, at + 1].map(|at| self.direction(line, at as f64));
+        let origin = self.tracer.camera.origin.as_dvec3();
+        self.tracer.moving.meets(&Sector::between(origin, a, b))
     }
 
     /// The direction at a distance from a line's first point in steps of the lattice.
@@ -256,6 +265,8 @@ pub(super) struct Cell<'a> {
     triangles: [u32; 2],
     /// How many cells it stands for.
     weight: u32,
+    /// Its own among those of the tile.
+    number: u32,
 }
 
 impl<'a> Cell<'a> {
@@ -394,13 +405,15 @@ impl<'a> Candidate<'a> {
 fn probe<'a>(
     film: &LatticeCells<'a>,
     candidates: &[Candidate<'a>],
+    round: u32,
     met: &mut Vec<Met>,
     borders: &mut Borders,
     counts: &mut Counts,
 ) -> Vec<Candidate<'a>> {
     let LatticeCells { tracer, tile, .. } = *film;
     let mut rest = Vec::new();
-    for (number, group) in candidates.chunks(LANES / 2).enumerate() {
+    let mut last = (u32::MAX, 0);
+    for group in candidates.chunks(LANES / 2) {
         let mut directions = [Vec3::Z; LANES];
         for (i, candidate) in group.iter().enumerate() {
             for (k, [u, v]) in candidate.beside().into_iter().enumerate() {
@@ -414,8 +427,20 @@ fn probe<'a>(
             near: tracer.camera.near_clip,
             far: tracer.camera.far_clip,
         };
-        let index = std::array::from_fn(|l| PROBE_INDEX + (number * LANES / 2 + l / 2) as u32);
-        let (radiance, seen) = tracer.radiance_along(rays, 0, true, &tile.stream, &index, counts);
+        let mut index = [PROBE_INDEX; LANES];
+        let mut wanted = 0;
+        for (i, candidate) in group.iter().enumerate() {
+            let Cell { number, .. } = candidate.cell;
+            let place = if last.0 == number { last.1 + 1 } else { 0 };
+            last = (number, place);
+            // Both sides of a crossing share their random numbers, and nothing else does.
+            let own = (number * ROUNDS as u32 + round) * PROBES_PER_ROUND + place;
+            index[2 * i..2 * i + 2].fill(PROBE_INDEX + own);
+            let moves = tracer.moving.boundary(tracer.geometry, &candidate.boundary);
+            wanted |= (moves as u32 * 3) << (2 * i);
+        }
+        let (radiance, seen) =
+            tracer.radiance_along(rays, wanted, 0, true, &tile.stream, &index, counts);
         let radiance = to_rgb(radiance);
         for (i, candidate) in group.iter().enumerate() {
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
@@ -452,6 +477,8 @@ fn probe<'a>(
 
 /// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.
 const PROBE_INDEX: u32 = 0x8000_0000;
+/// More than are found at once in a cell.
+const PROBES_PER_ROUND: u32 = 64;
 
 impl FilmCrossing {
     /// Film velocity along the crossing's axis, in pixels, per unit of Ḟ.

@@ -11,6 +11,7 @@
 //! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
 //! spacing of the points is met by one of them with a known chance, and weighed by its inverse.
 
+use super::moving::Sector;
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of, leave, to_rays};
 use super::runs::Runs;
@@ -54,6 +55,15 @@ pub fn find(
     if facing == 0 {
         return;
     }
+    // Whether something may be found on a line between these points of a lane's patch that moves against either.
+    let moves = |lane: usize, ends: [Vec3; 2]| {
+        let x = lane_of(surface.x, lane);
+        let [a, b] = ends.map(|y| (y - x).as_dvec3());
+        let light = tracer.lights.patches[patch[lane] as usize].lower[0];
+        vertices.moves >> lane & 1 == 1
+            || tracer.moving.vertex(tracer.geometry, light)
+            || tracer.moving.meets(&Sector::between(x.as_dvec3(), a, b))
+    };
     for axis in 0..2 {
         let mut active = facing;
         let fixed = if axis == 0 { &lines.r } else { &lines.s };
@@ -70,8 +80,10 @@ pub fn find(
             };
             let (x, n) = (lane_of(surface.x, lane), lane_of(surface.n, lane));
             match above_horizon(range, range.map(|at| n.dot(point(at) - x))) {
-                Some([from, to]) => (ends[0][lane], ends[1][lane]) = (from, to),
-                None => active &= !(1 << lane),
+                Some(part) if moves(lane, part.map(point)) => {
+                    [ends[0][lane], ends[1][lane]] = part;
+                }
+                _ => active &= !(1 << lane),
             }
         }
         let positions: [[f32; LANES]; INNER_POINTS + 2] = std::array::from_fn(|i| {

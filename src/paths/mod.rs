@@ -18,6 +18,7 @@ pub mod lights;
 mod line_runs;
 pub mod materials;
 pub mod microfacets;
+pub mod moving;
 pub mod occluders;
 pub mod random;
 pub mod rays;

@@ -4,6 +4,7 @@
 
 use super::bounce_cells::BounceCrossing;
 use super::bounce_lines::{above_horizon, line_weight};
+use super::moving::Sector;
 use super::occluders::{SurfacePoint, shadow_edges};
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
 use super::runs::Runs;
@@ -49,12 +50,18 @@ pub fn find(
             return None;
         }
         let line = sky.line(axis, place[lane] as f64);
-        points_above_horizon(
-            sky,
-            line,
-            lane_of(surface.n, lane).as_dvec3(),
-            jitter[lane] as f64,
-        )
+        let n = lane_of(surface.n, lane).as_dvec3();
+        let sector = Sector {
+            origin: lane_of(surface.x, lane).as_dvec3(),
+            normal: line.pole.cross(line.middle),
+            inward: [line.middle, n],
+        };
+        let moves = vertices.moves >> lane & 1 == 1 || tracer.moving.meets(&sector);
+        if moves {
+            points_above_horizon(sky, line, n, jitter[lane] as f64)
+        } else {
+            None
+        }
     });
     let points = lines.iter().flatten().map(|l| l.psi.len()).max();
     let open: Vec<u32> = (0..points.unwrap_or(0))

@@ -18,6 +18,8 @@ pub struct Vertices {
     pub hit: u32,
     /// Lanes whose ray left the scene.
     pub escaped: u32,
+    /// Lanes that move against what they see, where silhouettes are looked for (`paths::moving`).
+    pub moves: u32,
     pub origin: V3<Lane>,
     pub direction: V3<Lane>,
     /// Triangle in each lane, or [`NO_TRIANGLE`].
@@ -122,6 +124,7 @@ impl Default for Vertices {
         Self {
             hit: 0,
             escaped: 0,
+            moves: 0,
             origin: V3::splat(0.0),
             direction: V3::splat(0.0),
             triangle: [NO_TRIANGLE; LANES],

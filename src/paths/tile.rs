@@ -33,14 +33,12 @@ pub struct FilmPacket {
 }
 
 impl TracedTile {
-    /// Traces the tile. If the tracer looks for silhouettes the paths are stored, and the film's cells are searched for
-    /// those that `moves`. What `store` holds is thrown away.
+    /// Traces the tile. If the tracer looks for silhouettes the paths are stored, and the film's cells are searched. What `store` holds is thrown away.
     pub fn trace(
         tracer: &Tracer,
         filter: &FilmFilter,
         tile: Tile,
         keep: bool,
-        moves: impl Fn(u32, u32) -> bool,
         mut store: TileStore,
     ) -> Self {
         let [columns, rows] = tile.points;
@@ -78,8 +76,7 @@ impl TracedTile {
             }
         }
         if let Some(adjacency) = tracer.adjacency {
-            store.film_crossings =
-                film_cells::find(tracer, adjacency, &tile, &image, moves, &mut counts);
+            store.film_crossings = film_cells::find(tracer, adjacency, &tile, &image, &mut counts);
             let found = [
                 store.film_crossings.len(),
                 store.light_crossings.len(),

@@ -6,6 +6,7 @@ use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
 use super::lights::Lights;
 use super::materials::MaterialTable;
+use super::moving::Moving;
 use super::random::Stream;
 use super::rays::{RayPacket, to_rays};
 use super::sky::Sky;
@@ -94,6 +95,8 @@ pub struct Tracer<'a> {
     pub limits: PathLimits,
     /// Given if silhouettes are wanted, because something moves.
     pub adjacency: Option<&'a Adjacency>,
+    /// What moves, of what there are silhouettes of.
+    pub moving: &'a Moving,
 }
 
 impl Tracer<'_> {
@@ -130,6 +133,7 @@ impl Tracer<'_> {
             1.0
         };
         let mut previous: Option<Surface> = None;
+        let mut moves = self.moving.camera_lanes();
         for depth in first_depth.. {
             let triangle = self.intersect(&rays, coherence);
             *if depth == 0 {
@@ -151,6 +155,10 @@ impl Tracer<'_> {
                 emission_weight: Lane::splat(first_weight),
                 ..Vertices::default()
             };
+            if self.adjacency.is_some() {
+                moves |= self.moving.lanes(self.geometry, &triangle);
+                vertices.moves = moves;
+            }
             for (lane, &t) in triangle.iter().enumerate() {
                 if rays.active >> lane & 1 == 1 {
                     *(if t == NO_TRIANGLE {
@@ -398,18 +406,35 @@ impl Tracer<'_> {
         }
     }
 
-    /// Radiance along rays, and the triangles they meet, that lead to vertex `depth` of a path, with what they find emitting there or without it. For
-    /// looking beside silhouettes, so no silhouettes are sought.
+    /// Radiance along those rays that are `wanted`, and the triangles that all of them meet. They lead to vertex `depth` of a
+    /// path, with what they find emitting there or without it. For looking beside silhouettes, so no silhouettes are sought.
     #[allow(clippy::too_many_arguments)]
     pub fn radiance_along(
         &self,
         rays: RayPacket,
+        wanted: u32,
         depth: u32,
         with_emission: bool,
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
     ) -> (V3<Lane>, [u32; LANES]) {
+        let others = RayPacket {
+            active: rays.active & !wanted,
+            ..rays
+        };
+        counts.probe += others.active.count_ones() as u64;
+        let seen = match others.active {
+            0 => [NO_TRIANGLE; LANES],
+            _ => self.intersect(&others, Coherence::Incoherent),
+        };
+        let rays = RayPacket {
+            active: rays.active & wanted,
+            ..rays
+        };
+        if rays.active == 0 {
+            return (V3::splat(0.0), seen);
+        }
         let plain = Tracer {
             adjacency: None,
             ..*self
@@ -429,7 +454,10 @@ impl Tracer<'_> {
         let first = store.vertices.first();
         (
             plain.radiance(&store, &store.vertices),
-            first.map_or([NO_TRIANGLE; LANES], |v| v.triangle),
+            std::array::from_fn(|l| match (rays.active >> l & 1, first) {
+                (1, Some(v)) => v.triangle[l],
+                _ => seen[l],
+            }),
         )
     }
 }

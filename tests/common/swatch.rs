@@ -6,6 +6,7 @@ use warpath::lanes::{LANES, Lane, V3};
 use warpath::paths::camera::Camera;
 use warpath::paths::lights::Lights;
 use warpath::paths::materials::MaterialTable;
+use warpath::paths::moving::Moving;
 use warpath::paths::random::Stream;
 use warpath::paths::rays::{from_lanes, lane_of};
 use warpath::paths::store::{Lobes, Vertices};
@@ -22,6 +23,7 @@ pub struct Swatch {
     accel: Accel,
     lights: Lights,
     materials: MaterialTable,
+    moving: Moving,
     /// Looked at from below.
     inside: bool,
 }
@@ -51,6 +53,7 @@ impl Swatch {
         Self {
             lights: Lights::new(&scene, &geometry, false),
             materials: MaterialTable::new(&scene),
+            moving: Moving::default(),
             accel,
             geometry,
             scene,
@@ -74,6 +77,7 @@ impl Swatch {
                 black_goes_on: false,
             },
             adjacency: None,
+            moving: &self.moving,
         }
     }
 

@@ -1,0 +1,136 @@
+//! What can move, and where: silhouettes are looked for only where one that moves may be found.
+//!
+//! A silhouette that x sees brings something only if it moves in the coordinates in which x sees it: if its own mesh
+//! moves, or x does. A line or a cell of a point that rests is left out if it passes all boxes around meshes that move. It is
+//! left out whole or not at all: what weighs a silhouette by the chance of finding it (`paths::runs`) needs all that lies
+//! beside it, moving or not.
+
+use crate::lanes::LANES;
+use crate::scene::{Scene, SceneDifferential};
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use crate::warp::boundary::Boundary;
+use glam::DVec3;
+
+/// What a direction in parameter space moves, or a request asks about.
+#[derive(Clone, Debug, Default)]
+pub struct Moving {
+    /// Whether all points move against what they see.
+    everything: bool,
+    mesh: Vec<bool>,
+    /// Around each mesh that moves.
+    boxes: Vec<AlignedBox>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct AlignedBox {
+    middle: DVec3,
+    /// Half its extent.
+    half: DVec3,
+}
+
+/// The part of the plane through `origin` across `normal` for which all `inward` point ahead.
+pub struct Sector {
+    pub origin: DVec3,
+    pub normal: DVec3,
+    pub inward: [DVec3; 2],
+}
+
+impl Sector {
+    /// Between the directions `a` and `b`.
+    pub fn between(origin: DVec3, a: DVec3, b: DVec3) -> Self {
+        let normal = a.cross(b);
+        Self {
+            origin,
+            normal,
+            inward: [normal.cross(a), b.cross(normal)],
+        }
+    }
+}
+
+/// Boxes are taken for larger, per unit of the largest coordinate and one: several times what rays leave surfaces by.
+const MARGIN: f64 = 1e-4;
+
+impl Moving {
+    pub fn new(scene: &Scene, geometry: &Geometry, asked: &SceneDifferential) -> Self {
+        let mesh: Vec<bool> = asked.positions.iter().map(Option::is_some).collect();
+        let boxes = (0..mesh.len())
+            .filter(|&m| mesh[m])
+            .map(|m| {
+                let vertices = geometry.first_vertex[m]..geometry.first_vertex[m + 1];
+                let all = &geometry.positions[vertices.start as usize..vertices.end as usize];
+                let low = all.iter().fold(DVec3::INFINITY, |b, p| b.min(p.as_dvec3()));
+                let high = all
+                    .iter()
+                    .fold(DVec3::NEG_INFINITY, |b, p| b.max(p.as_dvec3()));
+                AlignedBox {
+                    middle: 0.5 * (low + high),
+                    half: 0.5 * (high - low),
+                }
+            })
+            .collect();
+        // A sky that turns, and a picture that slides, move against what rests.
+        let everything = asked.camera.is_some()
+            || asked.bends(scene)
+            || asked.turns_sky(scene)
+            || asked.to_uv.iter().any(Option::is_some);
+        Self {
+            everything,
+            mesh,
+            boxes,
+        }
+    }
+
+    /// The lanes whose rays move when they leave the camera.
+    pub(super) fn camera_lanes(&self) -> u32 {
+        if self.everything { u32::MAX } else { 0 }
+    }
+
+    /// The lanes whose triangle moves.
+    pub(super) fn lanes(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> u32 {
+        let moves =
+            |t: u32| t != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[t as usize] as usize];
+        (0..LANES)
+            .filter(|&l| moves(triangle[l]))
+            .fold(0, |bits, l| bits | 1 << l)
+    }
+
+    /// Whether a vertex moves as seen from what rests.
+    pub(super) fn vertex(&self, geometry: &Geometry, vertex: u32) -> bool {
+        let of = |v: u32| geometry.first_vertex.partition_point(|&first| first <= v) - 1;
+        self.everything || self.mesh[of(vertex)]
+    }
+
+    /// Whether a boundary does.
+    pub(super) fn boundary(&self, geometry: &Geometry, boundary: &Boundary) -> bool {
+        match *boundary {
+            Boundary::Edge([a, _]) | Boundary::Point { edge: [a, _], .. } => {
+                self.vertex(geometry, a)
+            }
+            Boundary::Crease([[a, ..], [b, ..]]) => {
+                self.vertex(geometry, a) || self.vertex(geometry, b)
+            }
+            Boundary::Ink {
+                triangle: [a, ..], ..
+            } => self.vertex(geometry, a),
+        }
+    }
+
+    /// Whether something that moves may be found in a sector.
+    pub(super) fn meets(&self, sector: &Sector) -> bool {
+        let Sector {
+            origin,
+            normal,
+            inward,
+        } = *sector;
+        self.everything
+            || self.boxes.iter().any(|b| {
+                let middle = b.middle - origin;
+                let largest = origin.abs().max_element() + b.middle.abs().max_element() + 1.0;
+                let half = b.half + MARGIN * largest;
+                normal.dot(middle).abs() <= normal.abs().dot(half)
+                    && inward
+                        .iter()
+                        .all(|side| side.dot(middle) + side.abs().dot(half) >= 0.0)
+            })
+    }
+}
