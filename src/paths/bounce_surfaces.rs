@@ -249,7 +249,7 @@ impl Finder<'_> {
             };
             let ends = [pair[0].1, pair[1].1];
             let cell = [line.psi[i], line.psi[i + 1]];
-            let choice = choice(i as u32);
+            let choice = Some(choice(i as u32));
             found.extend(self.between(line, &point, &arc, cell, ends, choice, on_line));
         }
         found
@@ -264,7 +264,7 @@ impl Finder<'_> {
         arc: &Arc,
         cell: [f64; 2],
         ends: [u32; 2],
-        choice: f64,
+        choice: Option<f64>,
         on_line: &mut OnLine,
     ) -> Vec<Found> {
         let (tracer, adjacency) = (self.tracer, self.adjacency);
@@ -421,9 +421,8 @@ impl Finder<'_> {
                 b: arc.direction(to),
                 ..arc
             };
-            let found = self.between(line, point, &arc, cell, triangles, 0.0, on_line);
             // Edges within what is seen were chosen for the whole cell already.
-            rest.extend(found.into_iter().filter(|f| f.is_silhouette));
+            rest.extend(self.between(line, point, &arc, cell, triangles, None, on_line));
         }
         rest
     }

@@ -124,7 +124,7 @@ pub fn find(
                     number: (axis * columns * rows + point) as u32,
                     ..film.cell(line, at as i64, 1, counts)
                 };
-                candidates.extend(cell.all_crossings(choice, &mut borders, counts));
+                candidates.extend(cell.all_crossings(Some(choice), &mut borders, counts));
             }
         }
     }
@@ -211,10 +211,10 @@ impl<'a> LatticeCells<'a> {
         counts: &mut Counts,
     ) {
         let cell = self.cell(line, cell, 1, counts);
-        let mut found = cell.all_crossings(0.0, borders, counts);
+        let mut found = cell.all_crossings(None, borders, counts);
         for _ in 0..ROUNDS {
             let mut rest = Vec::new();
-            for candidate in found.iter().filter(|c| c.is_silhouette) {
+            for candidate in &found {
                 let beside = candidate.beside().map(|at| first_hit(self.tracer, at));
                 counts.probe += 2;
                 candidate.add_border(beside, borders);
@@ -278,7 +278,7 @@ impl<'a> Cell<'a> {
     }
 
     /// What lies between the triangles seen at its ends.
-    pub fn crossings(&self, choice: f64) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
+    pub fn crossings(&self, choice: Option<f64>) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
         let arc = Arc {
             origin: self.tracer.camera.origin.as_dvec3(),
             a: self.at(0.0).1,
@@ -310,7 +310,7 @@ impl<'a> Cell<'a> {
     /// The same where something else may stand in front of both triangles.
     pub fn all_crossings(
         &self,
-        choice: f64,
+        choice: Option<f64>,
         borders: &mut Borders,
         counts: &mut Counts,
     ) -> Vec<Candidate<'a>> {
@@ -390,11 +390,9 @@ impl<'a> Candidate<'a> {
             if triangles[0] == triangles[1] || from >= to {
                 continue;
             }
-            let found = cell
-                .part([from, to], triangles)
-                .all_crossings(0.0, borders, counts);
             // Edges within what is seen were chosen for the whole cell already.
-            rest.extend(found.into_iter().filter(|c| c.is_silhouette));
+            let part = cell.part([from, to], triangles);
+            rest.extend(part.all_crossings(None, borders, counts));
         }
         rest
     }

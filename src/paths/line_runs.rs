@@ -117,7 +117,7 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
             return;
         }
         let arc = self.line.arc(ends);
-        match between(self.geometry, self.adjacency, &arc, seen, 0.0, 0.0) {
+        match between(self.geometry, self.adjacency, &arc, seen, None, 0.0) {
             Ok([None, _]) => {}
             Ok([Some(crossing), _]) => {
                 let at = self.line.coordinate(&arc, ends, crossing.s);

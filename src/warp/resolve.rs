@@ -61,30 +61,32 @@ pub fn between_halves<T>(
 /// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
 /// silhouette, if they see different surfaces, and an edge within the surfaces on either side of it, across which the shading of
 /// flat ones jumps, or a picture on them. Of several such edges `choice` in [0, 1) picks one, and those
-/// nearer to the next than `gap` (in parameters of the arc) are taken as one with it.
+/// nearer to the next than `gap` (in parameters of the arc) are taken as one with it. Without a choice none are looked for.
 pub fn between(
     geometry: &Geometry,
     adjacency: &Adjacency,
     arc: &Arc,
     [a, b]: [u32; 2],
-    choice: f64,
+    choice: Option<f64>,
     gap: f64,
 ) -> Result<[Option<Crossing>; 2], Unresolved> {
     if a == b {
-        return Ok([None, painted(geometry, arc, a, choice, gap)]);
+        return Ok([
+            None,
+            choice.and_then(|choice| painted(geometry, arc, a, choice, gap)),
+        ]);
     }
     let back = arc.reversed();
     let has_ridges = |t: u32| {
-        t != NO_TRIANGLE
+        choice.is_some()
+            && t != NO_TRIANGLE
             && (!geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize]
                 || geometry.pattern(t).is_some())
     };
     let reservoir = |t: u32| {
-        if has_ridges(t) {
-            Reservoir::new(choice, gap)
-        } else {
-            Reservoir::closed()
-        }
+        choice
+            .filter(|_| has_ridges(t))
+            .map_or(Reservoir::closed(), |choice| Reservoir::new(choice, gap))
     };
 
     let mut ridges = reservoir(a);
@@ -115,7 +117,7 @@ pub fn between(
     };
 
     // The ridges up to the silhouette on the side of a, and from there on on the side of b.
-    let mut ridges = Reservoir::new(choice, gap);
+    let mut ridges = choice.map_or(Reservoir::closed(), |choice| Reservoir::new(choice, gap));
     if has_ridges(b) {
         walk(
             geometry,

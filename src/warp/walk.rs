@@ -91,22 +91,20 @@ pub fn walk(
     ridges: &mut Reservoir,
 ) -> Walk {
     let normal = arc.a.cross(arc.b);
-    let corners = |t: u32| geometry.triangles[t as usize];
     let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
-    let faces = |t: u32| {
-        let [p, q, r] = corners(t).map(position);
-        p.dot((q - p).cross(r - p)) < 0.0
-    };
+    let faces = |[p, q, r]: [DVec3; 3]| p.dot((q - p).cross(r - p)) < 0.0;
 
+    // A walk stays on one mesh.
     let is_flat = !geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize];
+    let is_painted = geometry.pattern(start).is_some();
     let mut triangle = start;
-    let mut facing = faces(start);
+    let mut vertices = geometry.triangles[start as usize];
+    let mut points = vertices.map(position);
+    let mut side = points.map(|p| normal.dot(p));
+    let mut facing = faces(points);
     let mut entered_by = None;
     let mut entered_at = 0.0;
     for _ in 0..MAX_STEPS {
-        let vertices = corners(triangle);
-        let points = vertices.map(position);
-        let side = points.map(|p| normal.dot(p));
         let mut exit: Option<(usize, f64, f64, DVec3)> = None;
         for corner in 0..3 {
             let next = (corner + 1) % 3;
@@ -125,7 +123,7 @@ pub fn walk(
             return Walk::Lost;
         };
         let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
-        if ridges.is_open() {
+        if is_painted && ridges.is_open() {
             let part = [entered_at, s.min(limit)];
             for (line, s) in ink::lines(geometry, triangle, points, arc, part) {
                 ridges.meet(line, s);
@@ -135,9 +133,9 @@ pub fn walk(
             ridges.settle(limit);
             return Walk::Continues;
         }
-        let edge = [vertices[corner], vertices[(corner + 1) % 3]];
+        let next = (corner + 1) % 3;
         let fold = Fold {
-            edge,
+            edge: [vertices[corner], vertices[next]],
             s,
             along,
             point: point + arc.origin,
@@ -146,28 +144,44 @@ pub fn walk(
             ridges.settle(s);
             return Walk::Fold(fold);
         };
+        // The points of the common edge are known; only the third is new.
+        let [first, second, third] = [0, 1, 2].map(|i| (across.corner + i) % 3);
+        let [at_first, at_second] = if across.flipped {
+            [corner, next]
+        } else {
+            [next, corner]
+        };
+        let vertices_across = geometry.triangles[across.triangle as usize];
+        let mut points_across = points;
+        points_across[first] = points[at_first];
+        points_across[second] = points[at_second];
+        points_across[third] = position(vertices_across[third]);
         facing ^= across.flipped;
-        if faces(across.triangle) != facing {
+        if faces(points_across) != facing {
             ridges.settle(s);
             return Walk::Fold(fold);
         }
         if ridges.is_open() {
-            let bends = || is_flat && bend(points, corners(across.triangle).map(position)) > FLAT;
-            if bends() || ink::is_seam(geometry, triangle, corner, &across) {
+            let bends = || is_flat && bend(points, points_across) > FLAT;
+            if bends() || (is_painted && ink::is_seam(geometry, triangle, corner, &across)) {
                 ridges.meet(Boundary::Edge(fold.edge), s);
             }
         }
         if across.triangle == goal {
-            if ridges.is_open() {
-                let points = corners(goal).map(position);
-                for (line, s) in ink::lines(geometry, goal, points, arc, [s, 1.0]) {
+            if is_painted && ridges.is_open() {
+                for (line, s) in ink::lines(geometry, goal, points_across, arc, [s, 1.0]) {
                     ridges.meet(line, s);
                 }
             }
             ridges.settle(1.0 + ridges.gap);
             return Walk::Reached;
         }
-        triangle = across.triangle;
+        let mut side_across = side;
+        side_across[first] = side[at_first];
+        side_across[second] = side[at_second];
+        side_across[third] = normal.dot(points_across[third]);
+        (triangle, vertices, points, side) =
+            (across.triangle, vertices_across, points_across, side_across);
         entered_by = Some(across.corner);
         entered_at = s;
     }
