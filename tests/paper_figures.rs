@@ -51,13 +51,8 @@ fn scenes_name_files_that_are_there() {
 
 #[test]
 fn figures_move_what_is_in_their_scenes() {
-    for list in ["figures.json", "figures_short.json"] {
-        check_list(list);
-    }
-}
-
-fn check_list(list: &str) {
-    let text = std::fs::read_to_string(root().join("scenes/paper").join(list)).expect("a list");
+    let list = root().join("scenes/paper/figures.json");
+    let text = std::fs::read_to_string(list).expect("a list");
     let figures: Vec<Value> = serde_json::from_str(&text).expect("JSON");
     let mut names = BTreeSet::new();
     for figure in &figures {

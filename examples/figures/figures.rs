@@ -68,7 +68,7 @@ impl Options {
         let mut options = Self {
             list: "scenes/paper/figures.json".into(),
             only: Vec::new(),
-            runs: 16,
+            runs: 6,
             quick: false,
             fresh: false,
         };

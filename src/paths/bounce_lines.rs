@@ -45,7 +45,8 @@ enum Spread {
     Lobe { width: f64 },
 }
 
-/// One line of one lane.
+/// One line of one lane, or a part of it.
+#[derive(Clone)]
 pub struct Line {
     /// P and M, unit and orthogonal.
     pole: DVec3,
@@ -60,6 +61,8 @@ pub struct Line {
     pub psi: Vec<f64>,
     /// Which of them is the bounce.
     pub bounce: Option<usize>,
+    /// Whether it lies on the line, in this part or in the other.
+    through_bounce: bool,
 }
 
 /// The lobe that a lane's path goes on in.
@@ -238,6 +241,7 @@ impl Line {
             inverse_density: 2.0 / middle.dot(at.n).max(1e-9),
             psi,
             bounce: on.then_some(before + 1),
+            through_bounce: on,
         }
     }
 
@@ -295,7 +299,36 @@ impl Line {
             inverse_density: 2.0 * turn * scale * scale.sqrt(),
             psi,
             bounce: None,
+            through_bounce: false,
         })
+    }
+
+    /// Where it crosses the plane of the triangle that it starts on, whose normal this is, and its parts before and beyond that; `None` where all
+    /// of it lies on one side. Rays leave on one side or the other, so that what they see jumps there. Shading normals are why a line crosses that plane.
+    pub fn cut(&self, geometric: DVec3) -> Option<(f64, [Self; 2])> {
+        let at = -(self.middle.dot(geometric) / self.pole.dot(geometric)).atan();
+        let (&first, &last) = (self.psi.first()?, self.psi.last()?);
+        if !(first + 2.0 * RIM..last - 2.0 * RIM).contains(&at) {
+            return None;
+        }
+        let [end, start] = [at - RIM, at + RIM];
+        let place = |psi: f64| self.psi.partition_point(|&p| p < psi);
+        let (before, beyond) = (place(end), place(start));
+        let part = |psi: Vec<f64>, bounce: Option<usize>| Self {
+            psi,
+            bounce,
+            ..self.clone()
+        };
+        let mut low = self.psi[..before].to_vec();
+        low.push(end);
+        let mut high = vec![start];
+        high.extend(&self.psi[beyond..]);
+        let low = part(low, self.bounce.filter(|&b| b < before));
+        let high = part(
+            high,
+            self.bounce.filter(|&b| b >= beyond).map(|b| b - beyond + 1),
+        );
+        Some((at, [low, high]))
     }
 
     /// The direction at ψ, unit.
@@ -329,9 +362,9 @@ impl Line {
         let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
         let ends = psi
             .iter()
-            .map(|&psi| self.bounce.map_or(0.0, |_| below(psi)));
+            .map(|&psi| if self.through_bounce { below(psi) } else { 0.0 });
         let mut extra: Vec<f64> = ends.collect();
-        extra.push(self.bounce.map_or(0.0, |_| 1.0));
+        extra.push(self.through_bounce as u32 as f64);
         for run in (1..extra.len()).rev() {
             extra[run] -= extra[run - 1];
         }

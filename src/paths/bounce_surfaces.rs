@@ -10,7 +10,7 @@ use super::occluders::{PROBE, SurfacePoint};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::tracer::Counts;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lane, V3};
 use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::boundary::Boundary;
 use crate::warp::resolve::{Crossing, between, between_halves};
@@ -61,6 +61,15 @@ struct FromHere<'a> {
     point: &'a SurfacePoint,
 }
 
+/// Whose line it is, how much that stands for, and how paths go on from what is found on it.
+struct Way<'a> {
+    lane: usize,
+    weight: f64,
+    is_narrow: bool,
+    depth: u32,
+    stream: &'a Stream,
+}
+
 impl RayLine for FromHere<'_> {
     fn arc(&self, ends: [f64; 2]) -> Arc {
         let [a, b] = ends.map(|psi| self.line.direction(psi));
@@ -78,6 +87,9 @@ impl RayLine for FromHere<'_> {
 
 /// Silhouettes behind one another that are looked for in one cell.
 const ROUNDS: usize = 4;
+/// Random numbers of what looks beside crossings, in packets: of one part of a line, and of the whole line with its own plane.
+const PROBES_OF_PART: u32 = ROUNDS as u32 * 4;
+const PROBES: u32 = 2 * PROBES_OF_PART + 1;
 
 impl Finder<'_> {
     /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
@@ -172,21 +184,55 @@ impl Finder<'_> {
         if !self.moves(lane, &line, &at) {
             return;
         }
+        // Both sides of a crossing share their random numbers, and nothing else does.
+        let probes = |number: u32| PROBE_INDEX + (index * PROBES + number) * LANES as u32;
+        let way = Way {
+            lane,
+            weight,
+            is_narrow,
+            depth,
+            stream,
+        };
+        let geometric = lane_of(self.surface.geometric, lane).as_dvec3();
+        let Some((psi, [before, beyond])) = line.cut(geometric) else {
+            self.part(&line, &mut at, &way, seen, &|i| choice(3 + i), probes);
+            return;
+        };
+        let cells = before.psi.len() as u32 - 1;
+        self.part(&before, &mut at, &way, seen, &|i| choice(3 + i), probes);
+        self.part(
+            &beyond,
+            &mut at,
+            &way,
+            seen,
+            &|i| choice(3 + cells + i),
+            |number| probes(PROBES_OF_PART + number),
+        );
+        self.own_plane(
+            &before,
+            &beyond,
+            psi,
+            &mut at,
+            &way,
+            probes(2 * PROBES_OF_PART),
+        );
+    }
+
+    /// What is found on a line, all of which lies on one side of the triangle it starts on.
+    fn part(
+        &mut self,
+        line: &Line,
+        at: &mut LaneSurface,
+        way: &Way,
+        seen: Seen,
+        choice: &dyn Fn(u32) -> f64,
+        probes: impl Fn(u32) -> u32,
+    ) {
+        let lane = way.lane;
         let mut on_line = OnLine::default();
-        let mut found = self.crossings(&line, lane, seen, |i| choice(3 + i), &mut on_line);
+        let mut found = self.crossings(line, lane, seen, choice, &mut on_line);
         for round in 0..ROUNDS as u32 {
-            // Both sides of a crossing share their random numbers, and nothing else does.
-            let index = PROBE_INDEX + (index * ROUNDS as u32 + round) * 16;
-            found = self.probe(
-                &line,
-                lane,
-                is_narrow,
-                &found,
-                depth,
-                stream,
-                index,
-                &mut on_line,
-            );
+            found = self.probe(line, way, &found, probes(round * 4), &mut on_line);
             if found.is_empty() {
                 break;
             }
@@ -195,7 +241,7 @@ impl Finder<'_> {
         let OnLine { met, borders } = on_line;
         let (geometry, adjacency) = (self.tracer.geometry, self.adjacency);
         let from_here = FromHere {
-            line: &line,
+            line,
             point: &point,
         };
         let mut runs = LineRuns::new(geometry, adjacency, &from_here, borders, |psi| {
@@ -207,10 +253,68 @@ impl Finder<'_> {
             } else {
                 runs.chance_of_ridge(met.psi)
             };
-            let jump = met.jump * (FAMILIES * weight / chance);
+            let jump = met.jump * (FAMILIES * way.weight / chance);
             let direction = line.direction(met.psi);
-            self.push(&mut at, &line, lane, met.boundary, direction, jump);
+            self.push(at, line, lane, met.boundary, direction, jump);
         }
+    }
+
+    /// The jump where a line crosses the plane of the triangle it starts on, which turns with the triangle.
+    fn own_plane(
+        &mut self,
+        before: &Line,
+        beyond: &Line,
+        psi: f64,
+        at: &mut LaneSurface,
+        way: &Way,
+        index: u32,
+    ) {
+        let lane = way.lane;
+        let (Some(&end), Some(&start)) = (before.psi.last(), beyond.psi.first()) else {
+            return;
+        };
+        if self.vertices.moves >> lane & 1 == 0 {
+            return;
+        }
+        let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
+        let [a, b] = [end, start].map(|psi| before.direction(psi).as_vec3());
+        let directions = from_lanes(&std::array::from_fn(|l| if l == 0 { a } else { b }));
+        let (radiance, _) =
+            self.radiance_beside(&point, directions, [0b11; 2], way, &[index; LANES]);
+        let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
+        let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
+        if jump != DVec3::ZERO {
+            let boundary = Boundary::Edge(point.plane_edge(self.tracer));
+            self.push(at, before, lane, boundary, before.direction(psi), jump);
+        }
+    }
+
+    /// Radiance from the `wanted` of these directions, and the triangles that all that are `active` see.
+    fn radiance_beside(
+        &mut self,
+        point: &SurfacePoint,
+        directions: V3<Lane>,
+        [active, wanted]: [u32; 2],
+        way: &Way,
+        index: &[u32; LANES],
+    ) -> (V3<Lane>, [u32; LANES]) {
+        let normal = from_lanes(&[point.geometric; LANES]);
+        let rays = RayPacket {
+            active,
+            origin: leave(from_lanes(&[point.x; LANES]), normal, directions),
+            direction: directions,
+            near: 0.0,
+            far: f32::INFINITY,
+        };
+        self.tracer.radiance_along(
+            rays,
+            wanted,
+            way.depth,
+            way.is_narrow,
+            way.stream,
+            index,
+            self.counts,
+        )
     }
 
     /// Everything on a line at which the radiance may jump.
@@ -219,7 +323,7 @@ impl Finder<'_> {
         line: &Line,
         lane: usize,
         seen: Seen,
-        choice: impl Fn(u32) -> f64,
+        choice: &dyn Fn(u32) -> f64,
         on_line: &mut OnLine,
     ) -> Vec<Found> {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
@@ -314,56 +418,40 @@ impl Finder<'_> {
 
     /// Looks on both sides of each crossing: the jump is taken where it is, not at the ends of the cell. Returns what else
     /// must lie in their cells.
-    #[allow(clippy::too_many_arguments)]
     fn probe(
         &mut self,
         line: &Line,
-        lane: usize,
-        with_emission: bool,
+        way: &Way,
         found: &[Found],
-        depth: u32,
-        stream: &Stream,
         index: u32,
         on_line: &mut OnLine,
     ) -> Vec<Found> {
         let mut rest = Vec::new();
         let geometry = self.tracer.geometry;
+        let lane = way.lane;
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
+        let moves = |f: &Found| {
+            self.vertices.moves >> lane & 1 == 1
+                || self.tracer.moving.boundary(geometry, &f.boundary)
+        };
+        let moves: Vec<bool> = found.iter().map(moves).collect();
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
-            let mut packet = 0;
+            let [mut active, mut wanted] = [0u32; 2];
             for (i, Found { arc, s, .. }) in group.iter().enumerate() {
                 for (k, side) in [-PROBE, PROBE].into_iter().enumerate() {
                     directions[2 * i + k] = arc.direction(s + side).normalize().as_vec3();
-                    packet |= 1 << (2 * i + k);
                 }
+                active |= 0b11 << (2 * i);
+                wanted |= (moves[number * LANES / 2 + i] as u32 * 0b11) << (2 * i);
             }
-            let directions = from_lanes(&directions);
-            let normal = from_lanes(&[point.geometric; LANES]);
-            let origin = leave(from_lanes(&[point.x; LANES]), normal, directions);
-            let rays = RayPacket {
-                active: packet,
-                origin,
-                direction: directions,
-                near: 0.0,
-                far: f32::INFINITY,
-            };
             let index = std::array::from_fn(|l| index + (number * LANES / 2 + l / 2) as u32);
-            let moves = |f: &Found| {
-                self.vertices.moves >> lane & 1 == 1
-                    || self.tracer.moving.boundary(geometry, &f.boundary)
-            };
-            let wanted = (0..group.len())
-                .filter(|&i| moves(&group[i]))
-                .fold(0, |bits, i| bits | 3 << (2 * i));
-            let (radiance, seen) = self.tracer.radiance_along(
-                rays,
-                wanted,
-                depth,
-                with_emission,
-                stream,
+            let (radiance, seen) = self.radiance_beside(
+                &point,
+                from_lanes(&directions),
+                [active, wanted],
+                way,
                 &index,
-                self.counts,
             );
             for (i, found) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());

@@ -9,9 +9,9 @@
 //! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
 //! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
 
+use super::film_cell::{Borders, Candidate, Cell, LatticeLine, first_hit, steps};
 use super::film_runs;
 use super::lattice::Tile;
-use super::line_runs::Border;
 use super::moving::Sector;
 use super::rays::{RayPacket, from_lanes};
 use super::store::FilmCrossing;
@@ -21,33 +21,14 @@ use crate::lanes::LANES;
 use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::warp::adjacency::Adjacency;
-use crate::warp::boundary::{Boundary, dvec3, velocity_per_side};
-use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
-use crate::warp::walk::Arc;
+use crate::warp::boundary::{dvec3, velocity_per_side};
 use glam::{DVec3, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
-
-/// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
-const PROBE_PIXELS: f64 = 1e-3;
-const PROBE_CELL: f64 = 0.1;
+use std::collections::BTreeSet;
 
 /// What the lattice of a tile saw: row by row.
 pub struct LatticeImage {
     pub triangle: Vec<u32>,
     pub radiance: Vec<Rgb>,
-}
-
-/// A crossing before its jump is known.
-pub(super) struct Candidate<'a> {
-    boundary: Boundary,
-    pub at: [f64; 2],
-    /// Number of crossings it stands for.
-    count: u32,
-    /// Where it was found, and where in that: 0 to 1.
-    cell: Cell<'a>,
-    s: f64,
-    /// Not an edge within what is seen.
-    pub is_silhouette: bool,
 }
 
 /// A crossing in the tile at which the radiance jumps.
@@ -57,16 +38,6 @@ pub(super) struct Met {
     pub steps: f64,
     pub is_silhouette: bool,
     pub crossing: FilmCrossing,
-}
-
-/// Where something else begins to be seen on lines of the lattice; coordinates are steps from the line's first point.
-pub(super) type Borders = BTreeMap<LatticeLine, Vec<Border>>;
-
-/// A row (axis 0) or a column (axis 1) of the lattice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct LatticeLine {
-    pub axis: usize,
-    pub number: usize,
 }
 
 /// The crossings between all neighbours between which something that moves may be seen.
@@ -225,11 +196,6 @@ impl<'a> LatticeCells<'a> {
     }
 }
 
-/// Distance of a film position from a line's first point in steps of the lattice.
-fn steps(tile: &Tile, line: LatticeLine, at: [f64; 2]) -> f64 {
-    (at[line.axis] - tile.first[line.axis]) / tile.step[line.axis]
-}
-
 /// Silhouettes behind one another that are looked for in one cell.
 const ROUNDS: usize = 4;
 
@@ -238,165 +204,6 @@ const UNLIKELY: u32 = 8;
 
 /// Dimensions from here on choose among several edges in a cell.
 const CHOICE: u32 = 16;
-
-/// How far beside a silhouette the probes of a cell look, in pixels.
-fn beside(tile: &Tile, axis: usize) -> f64 {
-    PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
-}
-
-/// The triangle seen at a film position.
-fn first_hit(tracer: &Tracer, [u, v]: [f64; 2]) -> u32 {
-    let camera = &tracer.camera;
-    let direction = dvec3(camera.direction(u, v)).as_vec3();
-    tracer.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
-}
-
-/// The interval between two neighbours, or a part of it.
-#[derive(Clone, Copy)]
-pub(super) struct Cell<'a> {
-    tracer: &'a Tracer<'a>,
-    adjacency: &'a Adjacency,
-    tile: &'a Tile,
-    start: [f64; 2],
-    line: LatticeLine,
-    /// Pixels along the line.
-    length: f64,
-    /// What its ends see.
-    triangles: [u32; 2],
-    /// How many cells it stands for.
-    weight: u32,
-    /// Its own among those of the tile.
-    number: u32,
-}
-
-impl<'a> Cell<'a> {
-    /// Film position and direction at `s`.
-    fn at(&self, s: f64) -> ([f64; 2], DVec3) {
-        let mut at = self.start;
-        at[self.line.axis] += s * self.length;
-        (at, dvec3(self.tracer.camera.direction(at[0], at[1])))
-    }
-
-    /// What lies between the triangles seen at its ends.
-    pub fn crossings(&self, choice: Option<f64>) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
-        let arc = Arc {
-            origin: self.tracer.camera.origin.as_dvec3(),
-            a: self.at(0.0).1,
-            b: self.at(1.0).1,
-        };
-        let found = between(
-            self.tracer.geometry,
-            self.adjacency,
-            &arc,
-            self.triangles,
-            choice,
-            2.0 * beside(self.tile, self.line.axis) / self.length,
-        )?;
-        let [silhouette, ridge] = found;
-        let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
-            let Crossing { boundary, s, count } = crossing?;
-            Some(Candidate {
-                boundary,
-                at: self.at(s).0,
-                count: count * self.weight,
-                cell: *self,
-                s,
-                is_silhouette,
-            })
-        };
-        Ok([candidate(silhouette, true), candidate(ridge, false)])
-    }
-
-    /// The same where something else may stand in front of both triangles.
-    pub fn all_crossings(
-        &self,
-        choice: Option<f64>,
-        borders: &mut Borders,
-        counts: &mut Counts,
-    ) -> Vec<Candidate<'a>> {
-        let mut probes = 0;
-        let seen = |s: f64| {
-            probes += 1;
-            first_hit(self.tracer, self.at(s).0)
-        };
-        let find = |place, triangles| self.part(place, triangles).crossings(choice);
-        let (found, unresolved) = between_halves(self.triangles, seen, find);
-        counts.probe += probes;
-        counts.unresolved += unresolved.len() as u64;
-        for ([from, to], seen) in unresolved {
-            let at = |s: f64| steps(self.tile, self.line, self.at(s).0);
-            borders.entry(self.line).or_default().push(Border {
-                at: at(0.5 * (from + to)),
-                beside: [from, to].map(at),
-                seen,
-            });
-        }
-        found.into_iter().flatten().flatten().collect()
-    }
-
-    /// The part between two places, at which these triangles are seen.
-    fn part(&self, [from, to]: [f64; 2], triangles: [u32; 2]) -> Self {
-        Self {
-            start: self.at(from).0,
-            length: (to - from) * self.length,
-            triangles,
-            ..*self
-        }
-    }
-}
-
-impl<'a> Candidate<'a> {
-    /// The film positions on either side, where probes look.
-    fn beside(&self) -> [[f64; 2]; 2] {
-        let axis = self.cell.line.axis;
-        let beside = beside(self.cell.tile, axis);
-        [-beside, beside].map(|side| {
-            let mut at = self.at;
-            at[axis] += side;
-            at
-        })
-    }
-
-    /// Adds a silhouette beside which `seen` is seen, unless it lies behind that.
-    fn add_border(&self, seen: [u32; 2], borders: &mut Borders) {
-        let Cell { tile, line, .. } = self.cell;
-        if seen[0] != seen[1] {
-            borders.entry(line).or_default().push(Border {
-                at: steps(tile, line, self.at),
-                beside: self.beside().map(|at| steps(tile, line, at)),
-                seen,
-            });
-        }
-    }
-
-    /// The silhouettes in the rest of its cell: where what is seen beside it is not what an end of the cell sees, something
-    /// else ends in between.
-    fn rest(
-        &self,
-        seen: [u32; 2],
-        borders: &mut Borders,
-        counts: &mut Counts,
-    ) -> Vec<Candidate<'a>> {
-        let Self { cell, s, .. } = self;
-        let beside = beside(cell.tile, cell.line.axis) / cell.length;
-        let [a, b] = cell.triangles;
-        let [before, after] = seen;
-        let parts = [
-            (0.0, s - beside, [a, before]),
-            (s + beside, 1.0, [after, b]),
-        ];
-        let mut rest = Vec::new();
-        for (from, to, triangles) in parts {
-            if triangles[0] == triangles[1] || from >= to {
-                continue;
-            }
-            // Edges within what is seen were chosen for the whole cell already.
-            let part = cell.part([from, to], triangles);
-            rest.extend(part.all_crossings(None, borders, counts));
-        }
-        rest
-    }
-}
 
 /// Looks on both sides of each candidate, and adds to `met` at which the radiance jumps. Returns what else must lie in their
 /// cells.

@@ -1,6 +1,7 @@
 //! Things on the film that are thinner than the lattice ([`super::runs`]).
 
-use super::film_cells::{Borders, LatticeCells, LatticeLine, Met};
+use super::film_cell::{Borders, LatticeLine};
+use super::film_cells::{LatticeCells, Met};
 use super::line_runs::{LineRuns, RayLine};
 use super::runs::Runs;
 use super::tracer::Counts;

@@ -10,6 +10,7 @@ pub mod direct_sky;
 pub mod environment;
 mod even_sky;
 pub mod film;
+mod film_cell;
 pub mod film_cells;
 mod film_runs;
 pub mod lattice;

@@ -42,7 +42,7 @@ impl SurfacePoint {
     }
 
     /// The edge of its own triangle that spans the plane with it best.
-    fn plane_edge(&self, tracer: &Tracer) -> [u32; 2] {
+    pub(super) fn plane_edge(&self, tracer: &Tracer) -> [u32; 2] {
         let [a, b, c] = tracer.geometry.triangles[self.triangle as usize];
         let area = |&[v, w]: &[u32; 2]| {
             let [v, w] = [v, w].map(|v| tracer.geometry.positions[v as usize] - self.x);

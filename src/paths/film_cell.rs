@@ -1,0 +1,202 @@
+//! An interval of a line of the film's lattice, and what is found in it.
+
+use super::lattice::Tile;
+use super::line_runs::Border;
+use super::tracer::{Counts, Tracer};
+use crate::warp::adjacency::Adjacency;
+use crate::warp::boundary::{Boundary, dvec3};
+use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
+use crate::warp::walk::Arc;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
+const PROBE_PIXELS: f64 = 1e-3;
+const PROBE_CELL: f64 = 0.1;
+
+/// Where something else begins to be seen on lines of the lattice; coordinates are steps from the line's first point.
+pub(super) type Borders = BTreeMap<LatticeLine, Vec<Border>>;
+
+/// A row (axis 0) or a column (axis 1) of the lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct LatticeLine {
+    pub axis: usize,
+    pub number: usize,
+}
+
+/// A crossing before its jump is known.
+pub(super) struct Candidate<'a> {
+    pub boundary: Boundary,
+    pub at: [f64; 2],
+    /// Number of crossings it stands for.
+    pub count: u32,
+    /// Where it was found, and where in that: 0 to 1.
+    pub cell: Cell<'a>,
+    pub s: f64,
+    /// Not an edge within what is seen.
+    pub is_silhouette: bool,
+}
+
+/// The interval between two neighbours, or a part of it.
+#[derive(Clone, Copy)]
+pub(super) struct Cell<'a> {
+    pub tracer: &'a Tracer<'a>,
+    pub adjacency: &'a Adjacency,
+    pub tile: &'a Tile,
+    pub start: [f64; 2],
+    pub line: LatticeLine,
+    /// Pixels along the line.
+    pub length: f64,
+    /// What its ends see.
+    pub triangles: [u32; 2],
+    /// How many cells it stands for.
+    pub weight: u32,
+    /// Its own among those of the tile.
+    pub number: u32,
+}
+
+impl<'a> Cell<'a> {
+    /// Film position and direction at `s`.
+    fn at(&self, s: f64) -> ([f64; 2], DVec3) {
+        let mut at = self.start;
+        at[self.line.axis] += s * self.length;
+        (at, dvec3(self.tracer.camera.direction(at[0], at[1])))
+    }
+
+    /// What lies between the triangles seen at its ends.
+    fn crossings(&self, choice: Option<f64>) -> Result<[Option<Candidate<'a>>; 2], Unresolved> {
+        let arc = Arc {
+            origin: self.tracer.camera.origin.as_dvec3(),
+            a: self.at(0.0).1,
+            b: self.at(1.0).1,
+        };
+        let found = between(
+            self.tracer.geometry,
+            self.adjacency,
+            &arc,
+            self.triangles,
+            choice,
+            2.0 * beside(self.tile, self.line.axis) / self.length,
+        )?;
+        let [silhouette, ridge] = found;
+        let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
+            let Crossing { boundary, s, count } = crossing?;
+            Some(Candidate {
+                boundary,
+                at: self.at(s).0,
+                count: count * self.weight,
+                cell: *self,
+                s,
+                is_silhouette,
+            })
+        };
+        Ok([candidate(silhouette, true), candidate(ridge, false)])
+    }
+
+    /// The same where something else may stand in front of both triangles.
+    pub fn all_crossings(
+        &self,
+        choice: Option<f64>,
+        borders: &mut Borders,
+        counts: &mut Counts,
+    ) -> Vec<Candidate<'a>> {
+        let mut probes = 0;
+        let seen = |s: f64| {
+            probes += 1;
+            first_hit(self.tracer, self.at(s).0)
+        };
+        let find = |place, triangles| self.part(place, triangles).crossings(choice);
+        let (found, unresolved) = between_halves(self.triangles, seen, find);
+        counts.probe += probes;
+        counts.unresolved += unresolved.len() as u64;
+        for ([from, to], seen) in unresolved {
+            let at = |s: f64| steps(self.tile, self.line, self.at(s).0);
+            borders.entry(self.line).or_default().push(Border {
+                at: at(0.5 * (from + to)),
+                beside: [from, to].map(at),
+                seen,
+            });
+        }
+        found.into_iter().flatten().flatten().collect()
+    }
+
+    /// The part between two places, at which these triangles are seen.
+    fn part(&self, [from, to]: [f64; 2], triangles: [u32; 2]) -> Self {
+        Self {
+            start: self.at(from).0,
+            length: (to - from) * self.length,
+            triangles,
+            ..*self
+        }
+    }
+}
+
+impl<'a> Candidate<'a> {
+    /// The film positions on either side, where probes look.
+    pub fn beside(&self) -> [[f64; 2]; 2] {
+        let axis = self.cell.line.axis;
+        let beside = beside(self.cell.tile, axis);
+        [-beside, beside].map(|side| {
+            let mut at = self.at;
+            at[axis] += side;
+            at
+        })
+    }
+
+    /// Adds a silhouette beside which `seen` is seen, unless it lies behind that.
+    pub fn add_border(&self, seen: [u32; 2], borders: &mut Borders) {
+        let Cell { tile, line, .. } = self.cell;
+        if seen[0] != seen[1] {
+            borders.entry(line).or_default().push(Border {
+                at: steps(tile, line, self.at),
+                beside: self.beside().map(|at| steps(tile, line, at)),
+                seen,
+            });
+        }
+    }
+
+    /// The silhouettes in the rest of its cell: where what is seen beside it is not what an end of the cell sees, something
+    /// else ends in between.
+    pub fn rest(
+        &self,
+        seen: [u32; 2],
+        borders: &mut Borders,
+        counts: &mut Counts,
+    ) -> Vec<Candidate<'a>> {
+        let Self { cell, s, .. } = self;
+        let beside = beside(cell.tile, cell.line.axis) / cell.length;
+        let [a, b] = cell.triangles;
+        let [before, after] = seen;
+        let parts = [
+            (0.0, s - beside, [a, before]),
+            (s + beside, 1.0, [after, b]),
+        ];
+        let mut rest = Vec::new();
+        for (from, to, triangles) in parts {
+            if triangles[0] == triangles[1] || from >= to {
+                continue;
+            }
+            // Edges within what is seen were chosen for the whole cell already.
+            let part = cell.part([from, to], triangles);
+            rest.extend(part.all_crossings(None, borders, counts));
+        }
+        rest
+    }
+}
+
+/// Distance of a film position from a line's first point in steps of the lattice.
+pub(super) fn steps(tile: &Tile, line: LatticeLine, at: [f64; 2]) -> f64 {
+    (at[line.axis] - tile.first[line.axis]) / tile.step[line.axis]
+}
+
+/// How far beside a silhouette the probes of a cell look, in pixels.
+fn beside(tile: &Tile, axis: usize) -> f64 {
+    PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
+}
+
+/// The triangle seen at a film position.
+pub(super) fn first_hit(tracer: &Tracer, [u, v]: [f64; 2]) -> u32 {
+    let camera = &tracer.camera;
+    let direction = dvec3(camera.direction(u, v)).as_vec3();
+    tracer.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
+}
