@@ -71,6 +71,8 @@ struct Way<'a> {
 }
 
 impl RayLine for FromHere<'_> {
+    const ROUNDS: u32 = ROUNDS;
+
     fn arc(&self, ends: [f64; 2]) -> Arc {
         let [a, b] = ends.map(|psi| self.line.direction(psi));
         Arc {
@@ -86,9 +88,9 @@ impl RayLine for FromHere<'_> {
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
-const ROUNDS: usize = 4;
+const ROUNDS: u32 = 8;
 /// Random numbers of what looks beside crossings, in packets: of one part of a line, and of the whole line with its own plane.
-const PROBES_OF_PART: u32 = ROUNDS as u32 * 4;
+const PROBES_OF_PART: u32 = ROUNDS * 4;
 const PROBES: u32 = 2 * PROBES_OF_PART + 1;
 
 impl Finder<'_> {
@@ -231,7 +233,7 @@ impl Finder<'_> {
         let lane = way.lane;
         let mut on_line = OnLine::default();
         let mut found = self.crossings(line, lane, seen, choice, &mut on_line);
-        for round in 0..ROUNDS as u32 {
+        for round in 0..ROUNDS {
             found = self.probe(line, way, &found, probes(round * 4), &mut on_line);
             if found.is_empty() {
                 break;

@@ -100,7 +100,7 @@ pub fn find(
         }
     }
     let mut met = Vec::new();
-    for round in 0..ROUNDS as u32 {
+    for round in 0..ROUNDS {
         candidates = probe(&film, &candidates, round, &mut met, &mut borders, counts);
         if candidates.is_empty() {
             break;
@@ -197,7 +197,7 @@ impl<'a> LatticeCells<'a> {
 }
 
 /// Silhouettes behind one another that are looked for in one cell.
-const ROUNDS: usize = 4;
+pub(super) const ROUNDS: u32 = 4;
 
 /// Of the cells whose ends look alike one in this many is searched, and stands for all.
 const UNLIKELY: u32 = 8;
@@ -239,7 +239,7 @@ fn probe<'a>(
             let place = if last.0 == number { last.1 + 1 } else { 0 };
             last = (number, place);
             // Both sides of a crossing share their random numbers, and nothing else does.
-            let own = (number * ROUNDS as u32 + round) * PROBES_PER_ROUND + place;
+            let own = (number * ROUNDS + round) * PROBES_PER_ROUND + place;
             index[2 * i..2 * i + 2].fill(PROBE_INDEX + own);
             let moves = tracer.moving.boundary(tracer.geometry, &candidate.boundary);
             wanted |= (moves as u32 * 3) << (2 * i);

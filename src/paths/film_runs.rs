@@ -1,7 +1,7 @@
 //! Things on the film that are thinner than the lattice ([`super::runs`]).
 
 use super::film_cell::{Borders, LatticeLine};
-use super::film_cells::{LatticeCells, Met};
+use super::film_cells::{self, LatticeCells, Met};
 use super::line_runs::{LineRuns, RayLine};
 use super::runs::Runs;
 use super::tracer::Counts;
@@ -59,6 +59,8 @@ struct OnFilm<'a> {
 }
 
 impl RayLine for OnFilm<'_> {
+    const ROUNDS: u32 = film_cells::ROUNDS;
+
     fn arc(&self, [from, to]: [f64; 2]) -> Arc {
         Arc {
             origin: self.film.tracer.camera.origin.as_dvec3(),

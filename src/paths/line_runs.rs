@@ -5,16 +5,16 @@
 use super::runs::{Known, Reach, Runs};
 use crate::trace::geometry::Geometry;
 use crate::warp::adjacency::Adjacency;
-use crate::warp::resolve::between;
+use crate::warp::resolve::{HALVINGS, between};
 use crate::warp::walk::Arc;
-
-/// Silhouettes and halvings, one within another, that a search is followed through.
-const DEPTH: u32 = 16;
 
 /// A line of rays from one point, with a coordinate.
 pub(super) trait RayLine {
     /// One silhouette has the same coordinate, whatever the arc that it is found on, up to this.
     const ROUNDING: f64 = 1e-6;
+
+    /// Silhouettes behind one another that are looked for between two points.
+    const ROUNDS: u32;
 
     /// The rays between two coordinates.
     fn arc(&self, ends: [f64; 2]) -> Arc;
@@ -97,13 +97,13 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
 
     fn search(&self, pair: [usize; 2]) -> Reach {
         let mut reach = Reach::default();
-        self.look(pair, DEPTH, &mut reach);
+        self.look(pair, L::ROUNDS, HALVINGS, &mut reach);
         reach
     }
 
-    /// As a search for silhouettes between points in two runs goes.
-    fn look(&self, [j, k]: [usize; 2], depth: u32, reach: &mut Reach) {
-        if k <= j || depth == 0 {
+    /// As a search for silhouettes between points in two runs goes, in the rounds and with the halvings that are left.
+    fn look(&self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut Reach) {
+        if k <= j || rounds == 0 {
             return;
         }
         if k == j + 1 {
@@ -123,14 +123,15 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
                 let at = self.line.coordinate(&arc, ends, crossing.s);
                 let [before, after] = [at - L::ROUNDING, at + L::ROUNDING].map(|p| self.run_of(p));
                 reach.borders.extend(before..after);
-                self.look([j, before], depth - 1, reach);
-                self.look([after, k], depth - 1, reach);
+                self.look([j, before], rounds - 1, HALVINGS, reach);
+                self.look([after, k], rounds - 1, HALVINGS, reach);
             }
+            Err(_) if halvings == 0 => {}
             Err(_) => {
                 let middle = self.run_of(0.5 * (from + to));
                 reach.runs.insert(middle);
-                self.look([j, middle], depth - 1, reach);
-                self.look([middle, k], depth - 1, reach);
+                self.look([j, middle], rounds, halvings - 1, reach);
+                self.look([middle, k], rounds, halvings - 1, reach);
             }
         }
     }

@@ -26,7 +26,7 @@ pub struct Crossing {
 pub struct Unresolved;
 
 /// Halvings of a cell before it is given up.
-const HALVINGS: u32 = 10;
+pub const HALVINGS: u32 = 10;
 
 /// A part of a cell, from 0 to 1, whose ends see these triangles.
 pub type Part = ([f64; 2], [u32; 2]);
