@@ -3,6 +3,7 @@
 pub mod bounce;
 pub mod bounce_cells;
 pub mod bounce_lines;
+mod bounce_search;
 mod bounce_surfaces;
 pub mod camera;
 pub mod direct;
