@@ -14,7 +14,7 @@ help:
 	@echo "make test-long      the tests, and those that take long"
 	@echo "make bench          speed, on this machine"
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
-	@echo "make figures        the paper's figures beside finite differences, into out/figures (hours; QUICK=1: a minute, to try it)"
+	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
 	@echo "make test-debian13  the tests against Debian 13's Embree 4, in a chroot"
 	@echo "make deps           only install what the others need"
 
