@@ -2,7 +2,7 @@
 
 use crate::Result;
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Fewer runs tell nothing of their noise once one is left out.
 pub const LEAST_RUNS: usize = 3;
@@ -51,9 +51,11 @@ fn spp() -> u32 {
     64
 }
 
+/// The figures.
+const LIST: &str = "scenes/paper/figures.json";
+
 /// What was asked for on the command line.
 pub struct Options {
-    pub list: PathBuf,
     pub only: Vec<String>,
     /// Runs of which the mean is judged.
     pub runs: usize,
@@ -66,7 +68,6 @@ pub struct Options {
 impl Options {
     pub fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self> {
         let mut options = Self {
-            list: "scenes/paper/figures.json".into(),
             only: Vec::new(),
             runs: 6,
             quick: false,
@@ -75,7 +76,6 @@ impl Options {
         while let Some(name) = arguments.next() {
             let mut value = || arguments.next().ok_or(format!("{name} needs a value"));
             match name.as_str() {
-                "--list" => options.list = value()?.into(),
                 "--only" => options.only.extend(value()?.split(',').map(String::from)),
                 "--runs" => options.runs = value()?.parse::<usize>()?.max(LEAST_RUNS),
                 "--quick" => options.quick = true,
@@ -94,7 +94,7 @@ impl Options {
 
 /// Those that are asked for, as they are to be run.
 pub fn read(options: &Options) -> Result<Vec<Figure>> {
-    let mut figures = parse(&options.list)?;
+    let mut figures = parse()?;
     if let Some(name) = options
         .only
         .iter()
@@ -114,8 +114,8 @@ pub fn read(options: &Options) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-fn parse(list: &Path) -> Result<Vec<Figure>> {
-    let at = |e: &dyn std::fmt::Display| format!("{}: {e}", list.display());
-    let text = std::fs::read_to_string(list).map_err(|e| at(&e))?;
+fn parse() -> Result<Vec<Figure>> {
+    let at = |e: &dyn std::fmt::Display| format!("{LIST}: {e}");
+    let text = std::fs::read_to_string(LIST).map_err(|e| at(&e))?;
     Ok(serde_json::from_str(&text).map_err(|e| at(&e))?)
 }

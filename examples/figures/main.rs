@@ -1,6 +1,6 @@
 //! The figures of the paper: gradient images beside finite differences, and a table on stdout.
 //!
-//! `scripts/figures [--only NAME,…] [--runs 6] [--quick] [--fresh] [--list scenes/paper/figures.json]`
+//! `scripts/figures [--only NAME,…] [--runs 6] [--quick] [--fresh]`
 //!
 //! Writes `out/figures/NAME/` and `out/figures/figures.md`. Exits with 1 if a figure could not be made.
 
