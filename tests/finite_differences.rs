@@ -12,8 +12,10 @@ mod common;
 
 use common::comparison::Interior::Fails;
 use common::comparison::*;
+use common::materials::Paint;
 use common::scenes::*;
-use glam::vec3;
+use common::shapes::Shape;
+use glam::{Vec3, vec3};
 
 #[test]
 fn silhouette_gaussian_filter() {
@@ -35,6 +37,62 @@ fn silhouette_box_filter() {
         Some(2e-3),
         Fails,
     );
+}
+
+/// Normals a vertex do not make a body smooth.
+#[test]
+fn hard_edges_of_vertex_normals() {
+    let body = placed(
+        cuboid(vec3(0.5, 0.3, 0.4)),
+        vec3(12.0, 25.0, 33.0),
+        vec3(0.0, 0.0, 0.2),
+    );
+    let (torn, normals) = torn_apart(body);
+    let scene = small_floor().with_normals("block", torn, normals, [0.3, 0.5, 0.2]);
+    check(
+        &lit(scene),
+        &[("block.translation", &[1.0, 0.2, 0.4])],
+        256,
+        None,
+        Fails,
+    );
+}
+
+/// A facet among spikes, which throw thin shadows on it beside one another: between two points of a line there are often several.
+#[test]
+fn shadows_beside_one_another() {
+    let centre = vec3(0.1, 0.0, 0.4);
+    let body = || spiky(centre, 0.3, [1.4, 0.7]);
+    let at = centre + vec3(0.0, 0.0, 0.12);
+    let facet = || {
+        let scene = scene(vec3(0.3, -3.4, 1.9), at, 0.3, [4; 2], GAUSSIAN);
+        scene.solid("star", body(), [0.75; 3])
+    };
+    for scene in [facet().sky(SKY), facet().sunny()] {
+        let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
+        check(&scene, &[moved], 1024, Some(1e-3), Fails);
+    }
+}
+
+/// The same for a lamp, whose light comes through slats. Some hide the ends of lines on it; what their edges bring nearly cancels.
+#[test]
+fn shadows_of_slats() {
+    let mut slats: Shape = (Vec::new(), Vec::new());
+    for i in 0..9 {
+        let corner = vec3(0.15 * i as f32 - 0.6, -0.5, 1.1);
+        let (positions, triangles) = parallelogram(corner, Vec3::X * 0.05, Vec3::Y);
+        let first = slats.0.len() as u32;
+        slats.0.extend(positions);
+        slats
+            .1
+            .extend(triangles.into_iter().map(|t| t.map(|v| v + first)));
+    }
+    let at = vec3(0.05, 0.0, 0.0);
+    let scene = scene(vec3(0.3, -3.4, 0.9), at, 1.0, [4; 2], GAUSSIAN)
+        .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
+        .solid("slats", slats, [0.0; 3]);
+    let lowered = ("slats.translation", [0.1, 0.0, -1.0].as_slice());
+    check_to(0.06, &lit(scene), &[lowered], 4096, Some(0.01), Fails);
 }
 
 #[test]

@@ -91,12 +91,13 @@ pub fn find(
     // whatever is seen, and one lane stands for all.
     if at_last && is_even {
         if environment.is_some() {
-            finder.environment(match seen {
+            let free = match seen {
                 Seen::Environment(free) => free,
                 Seen::Triangles(triangles) => (0..LANES)
                     .filter(|&l| triangles[l] == NO_TRIANGLE)
                     .fold(0, |b, l| b | 1 << l),
-            });
+            };
+            finder.environment(free, depth, stream, index);
         }
     } else {
         finder.surfaces(seen, depth, stream, index);

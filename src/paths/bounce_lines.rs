@@ -221,17 +221,7 @@ impl Line {
         let pole = poles[axis];
         let middle = (bounce - pole * bounce.dot(pole)).normalize();
         let of_bounce = bounce.dot(pole).atan2(bounce.dot(middle));
-        let inner =
-            (0..INNER_POINTS).map(|k| PI * (k as f64 + jitter) / INNER_POINTS as f64 - FRAC_PI_2);
-        let mut psi: Vec<f64> = inner.collect();
-        let before = psi.partition_point(|&p| p < of_bounce);
-        if on {
-            psi.insert(before, of_bounce);
-        }
-        let end = FRAC_PI_2 - RIM;
-        psi.iter_mut().for_each(|p| *p = p.clamp(-end, end));
-        psi.insert(0, -end);
-        psi.push(end);
+        let (psi, bounce) = Self::points(jitter, on.then_some(of_bounce));
         Self {
             pole,
             middle,
@@ -240,9 +230,26 @@ impl Line {
             spread: Spread::Diffuse,
             inverse_density: 2.0 / middle.dot(at.n).max(1e-9),
             psi,
-            bounce: on.then_some(before + 1),
+            bounce,
             through_bounce: on,
         }
+    }
+
+    /// The points of a line of diffuse light, increasing, and which of them is the bounce.
+    pub(super) fn points(jitter: f64, bounce: Option<f64>) -> (Vec<f64>, Option<usize>) {
+        let end = FRAC_PI_2 - RIM;
+        let inner =
+            (0..INNER_POINTS).map(|k| PI * (k as f64 + jitter) / INNER_POINTS as f64 - FRAC_PI_2);
+        let mut psi: Vec<f64> = inner.collect();
+        let place = bounce.map(|bounce| {
+            let before = psi.partition_point(|&p| p < bounce);
+            psi.insert(before, bounce);
+            before + 1
+        });
+        psi.iter_mut().for_each(|p| *p = p.clamp(-end, end));
+        psi.insert(0, -end);
+        psi.push(end);
+        (psi, place)
     }
 
     /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points. `None` if all of it lies below the

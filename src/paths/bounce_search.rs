@@ -3,7 +3,7 @@
 use super::bounce_cells::{FAMILIES, Finder, Seen};
 use super::bounce_lines::{LaneSurface, Line};
 use super::line_runs::{Border, LineRuns, RayLine};
-use super::occluders::{PROBE, SurfacePoint};
+use super::occluders::{MOST_PROBE, PROBE, SurfacePoint, clear_angle};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::tracer::Counts;
@@ -24,6 +24,8 @@ struct Found {
     is_silhouette: bool,
     /// How many it stands for.
     count: u32,
+    /// How far beside it is looked, on the arc.
+    beside: f64,
     /// What the ends of the arc see.
     triangles: [u32; 2],
     /// The points of the line between which it was found.
@@ -269,10 +271,13 @@ impl Finder<'_> {
                 let Some(Crossing { boundary, s, count }) = crossing else {
                     continue;
                 };
+                let clear = clear_angle(tracer.geometry, &boundary, arc.origin);
+                let clear = clear / arc.a.angle_between(arc.b);
                 found.push(Found {
                     boundary,
                     arc,
                     s,
+                    beside: clear.clamp(PROBE, MOST_PROBE),
                     psi: line.psi_of(arc.direction(s)),
                     is_silhouette,
                     count,
@@ -307,8 +312,8 @@ impl Finder<'_> {
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
             let [mut active, mut wanted] = [0u32; 2];
-            for (i, Found { arc, s, .. }) in group.iter().enumerate() {
-                for (k, side) in [-PROBE, PROBE].into_iter().enumerate() {
+            for (i, Found { arc, s, beside, .. }) in group.iter().enumerate() {
+                for (k, side) in [-beside, *beside].into_iter().enumerate() {
                     directions[2 * i + k] = arc.direction(s + side).normalize().as_vec3();
                 }
                 active |= 0b11 << (2 * i);
@@ -341,7 +346,7 @@ impl Finder<'_> {
                 }
                 if found.is_silhouette {
                     if seen[0] != seen[1] {
-                        let beside = [found.s - PROBE, found.s + PROBE];
+                        let beside = [found.s - found.beside, found.s + found.beside];
                         on_line.borders.push(Border {
                             at: found.psi,
                             beside: beside.map(|s| line.psi_of(found.arc.direction(s))),
@@ -365,9 +370,18 @@ impl Finder<'_> {
         [before, after]: [u32; 2],
         on_line: &mut OnLine,
     ) -> Vec<Found> {
-        let Found { arc, s, cell, .. } = *found;
+        let Found {
+            arc,
+            s,
+            beside,
+            cell,
+            ..
+        } = *found;
         let [a, b] = found.triangles;
-        let parts = [(0.0, s - PROBE, [a, before]), (s + PROBE, 1.0, [after, b])];
+        let parts = [
+            (0.0, s - beside, [a, before]),
+            (s + beside, 1.0, [after, b]),
+        ];
         let mut rest = Vec::new();
         for (from, to, triangles) in parts {
             if triangles[0] == triangles[1] || from >= to {

@@ -131,6 +131,7 @@ impl Tracer<'_> {
                 surface,
                 &patch,
                 &lines,
+                |lane, axis| stream.branch([index[lane], base * 2 + axis as u32]),
                 counts,
                 &mut store.light_crossings,
             );

@@ -17,6 +17,8 @@ use glam::Vec3;
 const AXIS: u32 = 0x6000_0000;
 /// Pairs of random numbers for the sky lie beyond those of all other things at a vertex.
 const SKY_PAIRS: u32 = 0x1000;
+/// Streams of other draws of lines on a map are told by this, and the depth, from those on lights and even skies.
+const DRAWS: u32 = 0x200;
 
 impl Tracer<'_> {
     /// Draws a direction of the sky in every lane, and looks for the edges of what hides the sky.
@@ -84,6 +86,7 @@ impl Tracer<'_> {
                 lit,
                 axis,
                 [place.to_array(), jitter.to_array()],
+                |lane| stream.branch([index[lane], DRAWS + depth]),
                 counts,
                 &mut store.bounce_crossings,
             );

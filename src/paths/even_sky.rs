@@ -4,14 +4,26 @@
 use super::bounce_cells::{FAMILIES, Finder};
 use super::bounce_lines::{LaneSurface, Line, Lobe};
 use super::occluders::{SurfacePoint, shadow_edges};
+use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
+use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
 use crate::lanes::LANES;
 use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
+use std::f64::consts::TAU;
+
+/// Streams of other draws of these lines are told by this, and the depth, from those on lights and maps.
+const DRAWS: u32 = 0x100;
 
 impl Finder<'_> {
     /// Diffuse lanes under a constant environment, at their last bounce; those in `free` see it.
-    pub(super) fn environment(&mut self, free: u32) {
+    pub(super) fn environment(
+        &mut self,
+        free: u32,
+        depth: u32,
+        stream: &Stream,
+        index: &[u32; LANES],
+    ) {
         let Some(environment) = &self.tracer.scene.environment else {
             return;
         };
@@ -34,7 +46,8 @@ impl Finder<'_> {
         for (lane, line) in lines.iter().enumerate() {
             if let (Some(line), true) = (line, changes >> lane & 1 == 1) {
                 let open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
-                self.shadows(lane, line, &open, radiance);
+                let stream = stream.branch([index[lane], DRAWS + depth]);
+                self.shadows(lane, line, &open, radiance, &stream);
             }
         }
     }
@@ -53,10 +66,11 @@ impl Finder<'_> {
                 directions[lane] = line.direction(line.psi[i]).as_vec3();
             }
         }
+        let directions = from_lanes(&directions);
         let rays = RayPacket {
             active: wanted,
-            origin: leave(self.surface.x, self.surface.geometric, self.surface.n),
-            direction: from_lanes(&directions),
+            origin: leave(self.surface.x, self.surface.geometric, directions),
+            direction: directions,
             near: 0.0,
             far: f32::INFINITY,
         };
@@ -69,7 +83,14 @@ impl Finder<'_> {
     }
 
     /// The silhouettes of whatever hides the sky at some of the points of a lane's line.
-    fn shadows(&mut self, lane: usize, line: &Line, open: &[bool], radiance: DVec3) {
+    fn shadows(
+        &mut self,
+        lane: usize,
+        line: &Line,
+        open: &[bool],
+        radiance: DVec3,
+        stream: &Stream,
+    ) {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let directions: Vec<DVec3> = line.psi.iter().map(|&psi| line.direction(psi)).collect();
         let edges = shadow_edges(
@@ -80,15 +101,47 @@ impl Finder<'_> {
             open,
             self.counts,
         );
-        let psi: Vec<f64> = edges.iter().map(|e| line.psi_of(e.direction)).collect();
-        let weights = line.runs(&psi).weights_of_shadows(open[0]);
         let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-        for ((edge, psi), weight) in edges.into_iter().zip(psi).zip(weights) {
-            let Some(boundary) = edge.boundary else {
-                continue;
+        for (number, edge) in edges.into_iter().enumerate() {
+            let end = ShadowEnd {
+                at: line.psi_of(edge.direction),
+                hidden: line.psi[edge.hidden],
+                free: line.psi[edge.free],
             };
-            let jump = radiance * (edge.sign * weight * FAMILIES);
-            self.push(&mut at, line, lane, boundary, line.direction(psi), jump);
+            let draws = draws_until_found(
+                self.tracer,
+                self.adjacency,
+                &point,
+                line,
+                &end,
+                &stream.branch([number as u32, 0]),
+                self.counts,
+            );
+            let jump = radiance * (edge.sign() * draws * FAMILIES);
+            let direction = line.direction(end.at);
+            self.push(&mut at, line, lane, edge.boundary, direction, jump);
         }
+    }
+}
+
+impl ShadowLine for Line {
+    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        let jitter = random();
+        // Uniform on the disk is cosine-distributed.
+        let (radius, turn) = (random().sqrt(), random() * TAU);
+        Line::points(jitter, Some((radius * turn.cos()).asin())).0
+    }
+
+    fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
+        let [a, b] = ends.map(|psi| self.direction(psi));
+        move |s| a * (1.0 - s) + b * s
+    }
+
+    fn coordinate(&self, ends: [f64; 2], s: f64) -> f64 {
+        self.psi_of(self.between(ends)(s))
+    }
+
+    fn far(&self) -> f32 {
+        f32::INFINITY
     }
 }

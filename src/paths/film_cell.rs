@@ -2,6 +2,7 @@
 
 use super::lattice::Tile;
 use super::line_runs::Border;
+use super::occluders::{MOST_PROBE, clear_angle};
 use super::tracer::{Counts, Tracer};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{Boundary, dvec3};
@@ -10,9 +11,8 @@ use crate::warp::walk::Arc;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How far beside a silhouette the probes look, in pixels, and at most as a fraction of the cell.
+/// How far beside a silhouette the probes look at least, in pixels.
 const PROBE_PIXELS: f64 = 1e-3;
-const PROBE_CELL: f64 = 0.1;
 
 /// Where something else begins to be seen on lines of the lattice; coordinates are steps from the line's first point.
 pub(super) type Borders = BTreeMap<LatticeLine, Vec<Border>>;
@@ -132,10 +132,23 @@ impl<'a> Cell<'a> {
 }
 
 impl<'a> Candidate<'a> {
+    /// How far beside it probes look, in pixels.
+    fn distance(&self) -> f64 {
+        let Cell { tracer, tile, .. } = self.cell;
+        let axis = self.cell.line.axis;
+        let camera = &tracer.camera;
+        let clear = clear_angle(tracer.geometry, &self.boundary, camera.origin.as_dvec3());
+        let direction = dvec3(camera.direction(self.at[0], self.at[1]));
+        let turn = direction.cross(camera.direction_per_pixel()[axis]);
+        let angle_per_pixel = turn.length() / direction.length_squared();
+        let most = MOST_PROBE * tile.step[axis];
+        beside(tile, axis).max((clear / angle_per_pixel).min(most))
+    }
+
     /// The film positions on either side, where probes look.
     pub fn beside(&self) -> [[f64; 2]; 2] {
         let axis = self.cell.line.axis;
-        let beside = beside(self.cell.tile, axis);
+        let beside = self.distance();
         [-beside, beside].map(|side| {
             let mut at = self.at;
             at[axis] += side;
@@ -164,7 +177,7 @@ impl<'a> Candidate<'a> {
         counts: &mut Counts,
     ) -> Vec<Candidate<'a>> {
         let Self { cell, s, .. } = self;
-        let beside = beside(cell.tile, cell.line.axis) / cell.length;
+        let beside = self.distance() / cell.length;
         let [a, b] = cell.triangles;
         let [before, after] = seen;
         let parts = [
@@ -191,7 +204,7 @@ pub(super) fn steps(tile: &Tile, line: LatticeLine, at: [f64; 2]) -> f64 {
 
 /// How far beside a silhouette the probes of a cell look, in pixels.
 fn beside(tile: &Tile, axis: usize) -> f64 {
-    PROBE_PIXELS.min(PROBE_CELL * tile.step[axis])
+    PROBE_PIXELS.min(MOST_PROBE * tile.step[axis])
 }
 
 /// The triangle seen at a film position.

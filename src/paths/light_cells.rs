@@ -9,12 +9,13 @@
 //! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it; the lines' ends lie
 //! on the light's rim, so that the cells cover them without gaps, and jittered points divide them. No kernel width: a
 //! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
-//! spacing of the points is met by one of them with a known chance, and weighed by its inverse.
+//! spacing of the points may be missed, and is weighed for that (`super::shadow_draws`).
 
 use super::moving::Sector;
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
+use super::random::Stream;
 use super::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of, leave, to_rays};
-use super::runs::Runs;
+use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
 use super::store::{LightCrossing, Vertices};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
@@ -31,6 +32,8 @@ const RIM: f32 = 1e-4;
 
 /// Jittered points between the ends of a line.
 const INNER_POINTS: usize = 2;
+/// Of a line: its ends, those, and one more.
+const POINTS: usize = INNER_POINTS + 3;
 
 /// The lines of each lane: of fixed r and of fixed s, both uniform, and where their inner points lie.
 pub struct Lines {
@@ -39,7 +42,7 @@ pub struct Lines {
     pub jitter: [f32; LANES],
 }
 
-/// Finds the crossings on both lines of every lane and appends them.
+/// Finds the crossings on both lines of every lane and appends them; `draws` are for other points of a lane's line about an axis.
 #[allow(clippy::too_many_arguments)]
 pub fn find(
     tracer: &Tracer,
@@ -48,6 +51,7 @@ pub fn find(
     surface: &Surface,
     patch: &[u32; LANES],
     lines: &Lines,
+    draws: impl Fn(usize, usize) -> Stream,
     counts: &mut Counts,
     out: &mut Vec<LightCrossing>,
 ) {
@@ -86,19 +90,13 @@ pub fn find(
                 _ => active &= !(1 << lane),
             }
         }
-        let positions: [[f32; LANES]; INNER_POINTS + 2] = std::array::from_fn(|i| {
-            std::array::from_fn(|l| {
-                let [from, to] = [ends[0][l], ends[1][l]];
-                match i {
-                    0 => from,
-                    i if i == INNER_POINTS + 1 => to,
-                    i => {
-                        from + (to - from) * (i as f32 - 1.0 + lines.jitter[l])
-                            / INNER_POINTS as f32
-                    }
-                }
-            })
-        });
+        let positions: [[f32; LANES]; POINTS] = {
+            let points: [_; LANES] = std::array::from_fn(|l| {
+                let extra = draws(l, axis).uniform(0);
+                points([ends[0][l], ends[1][l]], lines.jitter[l], extra)
+            });
+            std::array::from_fn(|i| std::array::from_fn(|l| points[l][i]))
+        };
         let visible = positions.map(|at| {
             let (s, r) = if axis == 0 {
                 (&at, fixed)
@@ -121,39 +119,48 @@ pub fn find(
         });
         let jumps = visible.windows(2).fold(0, |bits, v| bits | (v[0] ^ v[1]));
         for lane in (0..LANES).filter(|&l| (active & jumps) >> l & 1 == 1) {
-            let [from, to] = [ends[0][lane] as f64, ends[1][lane] as f64];
-            let spacing = (to - from) / INNER_POINTS as f64;
-            let mut found = Vec::new();
-            let mut places = Vec::new();
-            for i in 0..=INNER_POINTS {
-                let end = |i: usize| (positions[i][lane], visible[i] >> lane & 1 == 1);
-                let ends = [end(i), end(i + 1)];
-                if ends[0].1 == ends[1].1 {
-                    continue;
+            let line = LightLine {
+                tracer,
+                lane,
+                axis,
+                patch: patch[lane],
+                fixed: fixed[lane],
+                ends: [ends[0][lane], ends[1][lane]],
+                point: SurfacePoint::of_lane(surface, &vertices.triangle, lane),
+            };
+            for i in 0..POINTS - 1 {
+                let seen = [i, i + 1].map(|i| visible[i] >> lane & 1 == 1);
+                let [hidden, free] = match seen {
+                    [true, false] => [i + 1, i],
+                    [false, true] => [i, i + 1],
+                    _ => continue,
                 }
-                let cell = Cell {
-                    lane,
-                    axis,
-                    patch: patch[lane],
-                    fixed: fixed[lane],
-                    ends,
-                };
-                let crossing = cell.resolve(tracer, adjacency, surface, vertices, counts);
-                counts.unresolved += crossing.is_none() as u64;
-                let middle = 0.5 * (ends[0].0 as f64 + ends[1].0 as f64);
-                let at = crossing.as_ref().map_or(middle, |c| c.at[axis]);
-                places.push((at - from) / spacing);
-                found.push(crossing);
-            }
-            let weights = Runs::new(places).weights_of_shadows(visible[0] >> lane & 1 == 1);
-            for (crossing, weight) in found.into_iter().zip(weights) {
-                out.extend(crossing.map(|crossing| LightCrossing {
-                    radiance_per_side: crossing.radiance_per_side.map(|r| r * weight as f32),
-                    ..crossing
-                }));
+                .map(|i| positions[i][lane] as f64);
+                let stream = draws(lane, axis).branch([1 + i as u32, 0]);
+                out.extend(line.crossing(
+                    [hidden, free],
+                    adjacency,
+                    surface,
+                    vertices,
+                    &stream,
+                    counts,
+                ));
             }
         }
     }
+}
+
+/// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there would be shadows that are never
+/// found: those that always have the line's end for a neighbour, where that is hidden by something else.
+fn points([from, to]: [f32; 2], jitter: f32, extra: f32) -> [f32; POINTS] {
+    let mut points = [from; POINTS];
+    for (i, point) in points[1..=INNER_POINTS].iter_mut().enumerate() {
+        *point += (to - from) * (i as f32 + jitter) / INNER_POINTS as f32;
+    }
+    points[POINTS - 2] += (to - from) * extra;
+    points[POINTS - 1] = to;
+    points.sort_by(f32::total_cmp);
+    points
 }
 
 /// The part of a line whose points stand higher than the surface's horizon, given the heights at its ends.
@@ -187,51 +194,82 @@ fn facing_light(
     bits & vertices.kinds.lit_by_samples() & !tracer.reflects_nothing(vertices)
 }
 
-/// An interval of a line whose ends differ in visibility.
-struct Cell {
+/// A line on a light, as seen by a lane.
+struct LightLine<'a> {
+    tracer: &'a Tracer<'a>,
     lane: usize,
     axis: usize,
     patch: u32,
     fixed: f32,
-    /// Coordinate along the axis and visibility, in increasing order.
-    ends: [(f32, bool); 2],
+    /// Along the axis.
+    ends: [f32; 2],
+    point: SurfacePoint,
 }
 
-impl Cell {
-    /// Walks from the occluder that hides the dark end toward the bright one, on to the next occluder as long as one
-    /// stands behind the silhouette.
-    fn resolve(
-        &self,
-        tracer: &Tracer,
-        adjacency: &Adjacency,
-        surface: &Surface,
-        vertices: &Vertices,
-        counts: &mut Counts,
-    ) -> Option<LightCrossing> {
-        let patch = &tracer.lights.patches[self.patch as usize];
-        let x = lane_of(surface.x, self.lane).as_dvec3();
-        let from_surface = SurfacePoint::of_lane(surface, &vertices.triangle, self.lane);
-        let point = |at: f64| -> DVec3 {
-            let at = at as f32;
+impl ShadowLine for LightLine<'_> {
+    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        points(self.ends, random() as f32, random() as f32)
+            .map(f64::from)
+            .to_vec()
+    }
+
+    /// To the light, of full length.
+    fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
+        let patch = &self.tracer.lights.patches[self.patch as usize];
+        move |s| {
+            let at = self.coordinate(ends, s) as f32;
             let y = if self.axis == 0 {
                 patch.point(at, self.fixed)
             } else {
                 patch.point(self.fixed, at)
             };
             let y = y.as_dvec3();
-            y - from_surface.leave(y - x).as_dvec3()
-        };
-        let (dark, bright) = if self.ends[0].1 { (1, 0) } else { (0, 1) };
-        let (from, to) = (self.ends[dark].0 as f64, self.ends[bright].0 as f64);
-        let OccluderEnd { edge, along, at } = follow_occluders(
+            y - self.point.leave(y - self.point.x.as_dvec3()).as_dvec3()
+        }
+    }
+
+    fn coordinate(&self, [from, to]: [f64; 2], s: f64) -> f64 {
+        from + (to - from) * s
+    }
+
+    fn far(&self) -> f32 {
+        SHADOW_FAR
+    }
+}
+
+impl LightLine<'_> {
+    /// Walks from the occluder that hides one point toward another that is free, on to the next occluder as long as one
+    /// stands behind the silhouette.
+    fn crossing(
+        &self,
+        [hidden, free]: [f64; 2],
+        adjacency: &Adjacency,
+        surface: &Surface,
+        vertices: &Vertices,
+        stream: &Stream,
+        counts: &mut Counts,
+    ) -> Option<LightCrossing> {
+        let tracer = self.tracer;
+        let cell = [hidden, free];
+        let direction = self.between(cell);
+        let whole = [0.0, 1.0];
+        let found = follow_occluders(
             tracer,
             adjacency,
-            &from_surface,
-            &point,
-            [from, to],
+            &self.point,
+            &direction,
+            whole,
             SHADOW_FAR,
             counts,
-        )?;
+        );
+        let Some(OccluderEnd { edge, along, at }) = found else {
+            counts.unresolved += 1;
+            return None;
+        };
+        let at = self.coordinate(cell, at);
+        let end = ShadowEnd { at, hidden, free };
+        let draws = draws_until_found(tracer, adjacency, &self.point, self, &end, stream, counts);
+        let patch = &tracer.lights.patches[self.patch as usize];
         let line = patch.edges[1 - self.axis].as_dvec3();
         let boundary = match along {
             Some(along) => Boundary::Point { edge, along, line },
@@ -243,14 +281,13 @@ impl Cell {
         } else {
             [fixed, at]
         };
-        let jump = if dark == 0 { -1.0 } else { 1.0 };
+        let jump = if hidden < free { -draws } else { draws };
         Some(LightCrossing {
             boundary,
             lane: self.lane as u8,
             patch: self.patch,
             at,
-            radiance_per_side: self
-                .radiance_per_side(tracer, surface, vertices, boundary, at, jump),
+            radiance_per_side: self.radiance_per_side(surface, vertices, boundary, at, jump),
         })
     }
 
@@ -258,14 +295,13 @@ impl Cell {
     /// probability of the patch.
     fn radiance_per_side(
         &self,
-        tracer: &Tracer,
         surface: &Surface,
         vertices: &Vertices,
         boundary: Boundary,
         at: [f64; 2],
         jump: f64,
     ) -> Rgb {
-        let lane = self.lane;
+        let (tracer, lane) = (self.tracer, self.lane);
         let geometry = tracer.geometry;
         let patch = &tracer.lights.patches[self.patch as usize];
         let x = vertices.position(geometry, lane);

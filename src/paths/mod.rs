@@ -26,6 +26,7 @@ pub mod random;
 pub mod rays;
 pub mod rough_transmission;
 pub mod runs;
+mod shadow_draws;
 pub mod sky;
 pub mod sky_cells;
 pub mod store;

@@ -4,7 +4,7 @@ use super::rays::{OFFSET, lane_of};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
 use crate::lanes::LANES;
-use crate::trace::geometry::NO_TRIANGLE;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
 use crate::warp::walk::{Arc, Reservoir, Walk, walk};
@@ -14,6 +14,23 @@ use glam::{DVec3, Vec3};
 pub const PROBE: f64 = 1e-3;
 /// Occluders behind one another that are followed before a cell is given up.
 const MAX_OCCLUDERS: usize = 64;
+
+/// And at least this many times as far from it as rays start from surfaces, but no farther than this fraction: where a body is a thin
+/// wedge, what starts nearer to its edge may start on its other side, and what looks into it look out of it.
+const CLEAR: f64 = 10.0;
+pub const MOST_PROBE: f64 = 0.1;
+
+/// The angle that probes keep from a boundary as seen from `origin`, if they can.
+pub fn clear_angle(geometry: &Geometry, boundary: &Boundary, origin: DVec3) -> f64 {
+    let [v, w] = match *boundary {
+        Boundary::Edge([v, w]) => [v, w],
+        _ => return 0.0,
+    }
+    .map(|v| geometry.positions[v as usize].as_dvec3());
+    let point = v.midpoint(w);
+    let step = CLEAR * f64::from(OFFSET) * (point.abs().max_element() + 1.0);
+    (step / point.distance(origin)).min(1.0)
+}
 
 /// A point of a surface from which rays leave.
 pub struct SurfacePoint {
@@ -72,11 +89,18 @@ impl SurfacePoint {
 
 /// An end of what hides the sky from a point, along a line of directions.
 pub struct ShadowEdge {
-    /// `None` where it was not found.
-    pub boundary: Option<Boundary>,
+    pub boundary: Boundary,
     pub direction: DVec3,
+    /// The directions between which it lies: one in which the sky is hidden, and one in which it is seen.
+    pub hidden: usize,
+    pub free: usize,
+}
+
+impl ShadowEdge {
     /// +1 if the sky is hidden beyond it, −1 if before it.
-    pub sign: f64,
+    pub fn sign(&self) -> f64 {
+        if self.hidden > self.free { 1.0 } else { -1.0 }
+    }
 }
 
 /// The ends of all shadows between `directions` in which the sky is seen (`is_open`) and those in which it is not.
@@ -90,20 +114,18 @@ pub fn shadow_edges(
 ) -> Vec<ShadowEdge> {
     let mut edges = Vec::new();
     for i in (0..is_open.len() - 1).filter(|&i| is_open[i] != is_open[i + 1]) {
-        let (cell, sign) = if is_open[i] {
-            ([1.0, 0.0], 1.0)
-        } else {
-            ([0.0, 1.0], -1.0)
-        };
-        let along = |s: f64| directions[i] * (1.0 - s) + directions[i + 1] * s;
+        let (hidden, free) = if is_open[i] { (i + 1, i) } else { (i, i + 1) };
+        let along = |s: f64| directions[hidden] * (1.0 - s) + directions[free] * s;
         let far = f32::INFINITY;
-        let end = follow_occluders(tracer, adjacency, point, &along, cell, far, counts);
-        counts.unresolved += end.is_none() as u64;
-        edges.push(ShadowEdge {
-            direction: along(end.as_ref().map_or(0.5, |end| end.at)),
-            boundary: end.map(|end| Boundary::Edge(end.edge)),
-            sign,
-        });
+        match follow_occluders(tracer, adjacency, point, &along, [0.0, 1.0], far, counts) {
+            None => counts.unresolved += 1,
+            Some(end) => edges.push(ShadowEdge {
+                boundary: Boundary::Edge(end.edge),
+                direction: along(end.at),
+                hidden,
+                free,
+            }),
+        }
     }
     edges
 }

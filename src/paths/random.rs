@@ -23,6 +23,11 @@ impl Stream {
         Self(mix(h ^ parts[1].wrapping_mul(0xc2b2_ae35)))
     }
 
+    /// A stream of its own for what `parts` name.
+    pub fn branch(&self, parts: [u32; 2]) -> Self {
+        Self::new(self.0 as u64, parts)
+    }
+
     /// One uniform number in [0, 1) for the whole stream.
     pub fn uniform(&self, dimension: u32) -> f32 {
         to_unit(mix(

@@ -6,8 +6,9 @@ use super::bounce_cells::BounceCrossing;
 use super::bounce_lines::{above_horizon, line_weight};
 use super::moving::Sector;
 use super::occluders::{SurfacePoint, shadow_edges};
+use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
-use super::runs::Runs;
+use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
 use super::sky::{Sky, SkyLine};
 use super::store::Vertices;
 use super::surface::Surface;
@@ -24,13 +25,15 @@ use std::f64::consts::FRAC_1_PI;
 const INNER_POINTS: usize = 4;
 
 /// A lane's line above its horizon.
-struct Seen {
+struct Seen<'a> {
+    sky: &'a Sky,
     line: SkyLine,
+    ends: [f64; 2],
     psi: Vec<f64>,
 }
 
 /// Finds the crossings on one line of every lane of `lit` about `axis`, drawn by `place` and with points at
-/// `jitter`.
+/// `jitter`; `draws` are for other points of a lane's line.
 #[allow(clippy::too_many_arguments)]
 pub fn find(
     tracer: &Tracer,
@@ -42,6 +45,7 @@ pub fn find(
     lit: u32,
     axis: usize,
     [place, jitter]: [[f32; LANES]; 2],
+    draws: impl Fn(usize) -> Stream,
     counts: &mut Counts,
     out: &mut Vec<BounceCrossing>,
 ) {
@@ -58,7 +62,12 @@ pub fn find(
         };
         let moves = vertices.moves >> lane & 1 == 1 || tracer.moving.meets(&sector);
         if moves {
-            points_above_horizon(sky, line, n, jitter[lane] as f64)
+            Seen::new(
+                sky,
+                line,
+                n,
+                [jitter[lane], draws(lane).uniform(0)].map(f64::from),
+            )
         } else {
             None
         }
@@ -87,24 +96,65 @@ pub fn find(
             seen,
             counts,
         };
-        finder.shadows(&open, out);
+        finder.shadows(&open, &draws(lane), out);
     }
 }
 
-/// The part of a line above the horizon of `n`, with points on it.
-fn points_above_horizon(sky: &Sky, line: SkyLine, n: DVec3, jitter: f64) -> Option<Seen> {
-    let [low, high] = above_horizon(line.pole, line.middle, n)?;
-    let mut psi: Vec<f64> = (0..INNER_POINTS)
-        .map(|k| sky.quantile(&line, (k as f64 + jitter) / INNER_POINTS as f64))
-        .filter(|p| (low..high).contains(p))
-        .collect();
-    psi.insert(0, low);
-    psi.push(high);
-    Some(Seen { line, psi })
+impl<'a> Seen<'a> {
+    /// The part of a line above the horizon of `n`.
+    fn new(sky: &'a Sky, line: SkyLine, n: DVec3, random: [f64; 2]) -> Option<Self> {
+        let mut seen = Self {
+            sky,
+            ends: above_horizon(line.pole, line.middle, n)?,
+            line,
+            psi: Vec::new(),
+        };
+        seen.psi = seen.points(random);
+        Some(seen)
+    }
+
+    /// Its ends, jittered points, and one anywhere: without that there would be shadows that are never found, as on lights
+    /// (`super::light_cells`).
+    fn points(&self, [jitter, extra]: [f64; 2]) -> Vec<f64> {
+        let [low, high] = self.ends;
+        let mut psi: Vec<f64> = (0..INNER_POINTS)
+            .map(|k| (k as f64 + jitter) / INNER_POINTS as f64)
+            .chain([extra])
+            .map(|part| self.sky.quantile(&self.line, part))
+            .filter(|p| (low..high).contains(p))
+            .collect();
+        psi.extend([low, high]);
+        psi.sort_by(f64::total_cmp);
+        psi
+    }
+}
+
+impl ShadowLine for Seen<'_> {
+    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        self.points([random(), random()])
+    }
+
+    fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
+        let [a, b] = ends.map(|psi| direction(&self.line, psi));
+        move |s| a * (1.0 - s) + b * s
+    }
+
+    fn coordinate(&self, ends: [f64; 2], s: f64) -> f64 {
+        psi_of(&self.line, self.between(ends)(s))
+    }
+
+    fn far(&self) -> f32 {
+        f32::INFINITY
+    }
 }
 
 fn direction(line: &SkyLine, psi: f64) -> DVec3 {
     line.pole * psi.sin() + line.middle * psi.cos().max(0.0)
+}
+
+/// Where a direction lies on a line.
+fn psi_of(line: &SkyLine, d: DVec3) -> f64 {
+    line.pole.dot(d).atan2(line.middle.dot(d))
 }
 
 /// Which lanes see the sky at point `i` of their lines.
@@ -125,10 +175,11 @@ fn unblocked(
             wanted |= 1 << lane;
         }
     }
+    let directions = from_lanes(&directions);
     let rays = RayPacket {
         active: wanted,
-        origin: leave(surface.x, surface.geometric, surface.n),
-        direction: from_lanes(&directions),
+        origin: leave(surface.x, surface.geometric, directions),
+        direction: directions,
         near: 0.0,
         far: f32::INFINITY,
     };
@@ -147,14 +198,14 @@ struct Finder<'a> {
     vertices: &'a Vertices,
     surface: &'a Surface,
     lane: usize,
-    seen: &'a Seen,
+    seen: &'a Seen<'a>,
     counts: &'a mut Counts,
 }
 
 impl Finder<'_> {
     /// The silhouettes of whatever hides the sky at some of the points of the line.
-    fn shadows(&mut self, open: &[bool], out: &mut Vec<BounceCrossing>) {
-        let Seen { line, psi } = self.seen;
+    fn shadows(&mut self, open: &[bool], draws: &Stream, out: &mut Vec<BounceCrossing>) {
+        let Seen { line, psi, .. } = self.seen;
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, self.lane);
         let directions: Vec<DVec3> = psi.iter().map(|&psi| direction(line, psi)).collect();
         let edges = shadow_edges(
@@ -165,15 +216,22 @@ impl Finder<'_> {
             open,
             self.counts,
         );
-        let psi_of = |d: DVec3| line.pole.dot(d).atan2(line.middle.dot(d));
-        let psi: Vec<f64> = edges.iter().map(|e| psi_of(e.direction)).collect();
-        let place = |&psi: &f64| self.sky.power_below(line, psi) * INNER_POINTS as f64;
-        let runs = Runs::new(psi.iter().map(place).collect());
-        let weights = runs.weights_of_shadows(open[0]);
-        for ((edge, psi), weight) in edges.into_iter().zip(psi).zip(weights) {
-            if let Some(boundary) = edge.boundary {
-                out.extend(self.crossing(psi, boundary, edge.sign * weight));
-            }
+        for (number, edge) in edges.into_iter().enumerate() {
+            let end = ShadowEnd {
+                at: psi_of(line, edge.direction),
+                hidden: psi[edge.hidden],
+                free: psi[edge.free],
+            };
+            let draws = draws_until_found(
+                self.tracer,
+                self.adjacency,
+                &point,
+                self.seen,
+                &end,
+                &draws.branch([1 + number as u32, 0]),
+                self.counts,
+            );
+            out.extend(self.crossing(end.at, edge.boundary, edge.sign() * draws));
         }
     }
 

@@ -59,8 +59,8 @@ pub fn between_halves<T>(
 }
 
 /// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
-/// silhouette, if they see different surfaces, and an edge within the surfaces on either side of it, across which the shading of
-/// flat ones jumps, or a picture on them. Of several such edges `choice` in [0, 1) picks one, and those
+/// silhouette, if they see different surfaces, and an edge within the surfaces on either side of it, across which they bend, or a
+/// picture on them. Of several such edges `choice` in [0, 1) picks one, and those
 /// nearer to the next than `gap` (in parameters of the arc) are taken as one with it. Without a choice none are looked for.
 pub fn between(
     geometry: &Geometry,
@@ -77,25 +77,16 @@ pub fn between(
         ]);
     }
     let back = arc.reversed();
-    let has_ridges = |t: u32| {
-        choice.is_some()
-            && t != NO_TRIANGLE
-            && (!geometry.smooth[geometry.mesh_of_triangle[t as usize] as usize]
-                || geometry.pattern(t).is_some())
-    };
-    let reservoir = |t: u32| {
-        choice
-            .filter(|_| has_ridges(t))
-            .map_or(Reservoir::closed(), |choice| Reservoir::new(choice, gap))
-    };
+    let has_ridges = |t: u32| choice.is_some() && t != NO_TRIANGLE;
+    let reservoir = || choice.map_or(Reservoir::closed(), |choice| Reservoir::new(choice, gap));
 
-    let mut ridges = reservoir(a);
+    let mut ridges = reservoir();
     let from_a =
         (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, [a, b], 1.0, &mut ridges));
     if let Some(Walk::Reached) = from_a {
         return Ok([None, ridges.crossing()]);
     }
-    let mut ridges = reservoir(b);
+    let mut ridges = reservoir();
     let from_b =
         (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &back, [b, a], 1.0, &mut ridges));
     let silhouette = match (from_a, from_b) {
@@ -117,7 +108,7 @@ pub fn between(
     };
 
     // The ridges up to the silhouette on the side of a, and from there on on the side of b.
-    let mut ridges = choice.map_or(Reservoir::closed(), |choice| Reservoir::new(choice, gap));
+    let mut ridges = reservoir();
     if has_ridges(b) {
         walk(
             geometry,

@@ -9,7 +9,7 @@
 //! away or there is none. No ray is traced. All arithmetic is in f64: the walk's decisions are made from
 //! vertices alone and are the same from both sides of an edge.
 
-use super::adjacency::Adjacency;
+use super::adjacency::{Across, Adjacency};
 use super::boundary::Boundary;
 use super::ink;
 use crate::trace::geometry::Geometry;
@@ -81,7 +81,7 @@ impl Arc {
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
 /// `goal`, up to parameter `limit` (1: all the way). What the radiance may jump at on the way is shown to `ridges`: edges at
-/// which a flat-shaded surface bends, and those of pictures.
+/// which the surface or its shading bends, and those of pictures.
 pub fn walk(
     geometry: &Geometry,
     adjacency: &Adjacency,
@@ -95,7 +95,7 @@ pub fn walk(
     let faces = |[p, q, r]: [DVec3; 3]| p.dot((q - p).cross(r - p)) < 0.0;
 
     // A walk stays on one mesh.
-    let is_flat = !geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize];
+    let is_smooth = geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize];
     let is_painted = geometry.pattern(start).is_some();
     let mut triangle = start;
     let mut vertices = geometry.triangles[start as usize];
@@ -162,8 +162,14 @@ pub fn walk(
             return Walk::Fold(fold);
         }
         if ridges.is_open() {
-            let bends = || is_flat && bend(points, points_across) > FLAT;
-            if bends() || (is_painted && ink::is_seam(geometry, triangle, corner, &across)) {
+            // Shading normals may go on where the plane of the triangle does not: below that rays start on the other side of the
+            // surface, so that the part of a lobe between the two planes sees something else.
+            let bends = bend(points, points_across) > FLAT;
+            let is_torn = || is_smooth && is_torn(geometry, triangle, corner, &across);
+            if bends
+                || is_torn()
+                || (is_painted && ink::is_seam(geometry, triangle, corner, &across))
+            {
                 ridges.meet(Boundary::Edge(fold.edge), s);
             }
         }
@@ -263,6 +269,24 @@ const FLAT: f64 = 1e-10;
 fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
+}
+
+/// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for itself: so programs write
+/// bodies with hard edges.
+fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
+    let ends = |triangle: u32, corner: usize| {
+        let vertices = geometry.triangles[triangle as usize];
+        [vertices[corner], vertices[(corner + 1) % 3]]
+    };
+    let here = ends(triangle, corner);
+    let mut there = ends(across.triangle, across.corner);
+    if !across.flipped {
+        there.reverse();
+    }
+    let normal = |v: u32| geometry.normals[v as usize];
+    here.into_iter()
+        .zip(there)
+        .any(|(v, w)| v != w && f64::from(normal(v).distance_squared(normal(w))) > FLAT)
 }
 
 /// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β and α with the

@@ -205,6 +205,17 @@ pub fn cuboid(half: Vec3) -> Shape {
     ((0..8).map(corner).collect(), triangles)
 }
 
+/// The shape with its triangles torn apart, and the normal of its triangle at each vertex: as programs write bodies with hard
+/// edges.
+pub fn torn_apart((positions, triangles): Shape) -> (Shape, Vec<Vec3>) {
+    let corners = triangles.iter().flatten();
+    let torn: Vec<Vec3> = corners.map(|&v| positions[v as usize]).collect();
+    let normal = |t: &[Vec3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize();
+    let normals = torn.chunks(3).flat_map(|t| [normal(t); 3]).collect();
+    let triangles = (0..torn.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    ((torn, triangles.collect()), normals)
+}
+
 /// A regular polygon in the plane of `normal`.
 pub fn disc(centre: Vec3, normal: Vec3, radius: f32, corners: u32) -> Shape {
     let (u, v) = normal.any_orthonormal_pair();
@@ -250,6 +261,16 @@ pub fn l_shape(size: f32, height: f32) -> Shape {
 /// A sphere of triangles.
 pub fn ball(levels: u32, centre: Vec3, radius: f32) -> Shape {
     icosphere(levels, centre, radius)
+}
+
+/// A ball on which every third vertex stands out, the others being at the second of these parts of the radius.
+pub fn spiky(centre: Vec3, radius: f32, [long, short]: [f32; 2]) -> Shape {
+    let (mut positions, triangles) = ball(2, centre, radius);
+    for (i, p) in positions.iter_mut().enumerate() {
+        let length = if i % 3 == 0 { long } else { short };
+        *p = centre + (*p - centre) * length;
+    }
+    (positions, triangles)
 }
 
 /// The shape turned by Euler angles (degrees, about x, y, z) about the origin and then moved.
