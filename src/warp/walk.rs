@@ -164,7 +164,7 @@ pub fn walk(
         if ridges.is_open() {
             // Shading normals may go on where the plane of the triangle does not: below that rays start on the other side of the
             // surface, so that the part of a lobe between the two planes sees something else.
-            let bends = bend(points, points_across) > FLAT;
+            let bends = bend(points, points_across) > if is_smooth { COARSE } else { FLAT };
             let is_torn = || is_smooth && is_torn(geometry, triangle, corner, &across);
             if bends
                 || is_torn()
@@ -264,6 +264,9 @@ impl Reservoir {
 
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
 const FLAT: f64 = 1e-10;
+
+/// The same for smooth surfaces: a tenth of a radian. What finer meshes have is less than the noise of looking for it.
+const COARSE: f64 = 1e-2;
 
 /// The squared sine of the angle between the planes of two triangles.
 fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
