@@ -367,15 +367,12 @@ impl Line {
         let places = psi.iter().map(|&psi| self.place(psi)).collect();
         // The density of the bounce on its line is 2/π cos²ψ.
         let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
-        let ends = psi
-            .iter()
-            .map(|&psi| if self.through_bounce { below(psi) } else { 0.0 });
-        let mut extra: Vec<f64> = ends.collect();
-        extra.push(self.through_bounce as u32 as f64);
-        for run in (1..extra.len()).rev() {
-            extra[run] -= extra[run - 1];
+        let ends = psi.iter().map(|&psi| below(psi));
+        let mut runs = Runs::with_extra(places, ends);
+        if !self.through_bounce {
+            runs.extra.fill(0.0);
         }
-        Runs { places, extra }
+        runs
     }
 
     /// Of a ψ in distances of the jittered points.

@@ -271,8 +271,11 @@ impl Finder<'_> {
                 let Some(Crossing { boundary, s, count }) = crossing else {
                     continue;
                 };
-                let clear = clear_angle(tracer.geometry, &boundary, arc.origin);
-                let clear = clear / arc.a.angle_between(arc.b);
+                let clear = if is_silhouette {
+                    clear_angle(tracer.geometry, &boundary, arc.origin) / arc.a.angle_between(arc.b)
+                } else {
+                    0.0
+                };
                 found.push(Found {
                     boundary,
                     arc,

@@ -6,7 +6,7 @@ use super::bounce_lines::{LaneSurface, Line, Lobe};
 use super::occluders::{SurfacePoint, shadow_edges};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
-use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
+use super::shadow_draws::{ShadowEnd, ShadowLine, Shadows};
 use crate::lanes::LANES;
 use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
@@ -101,25 +101,31 @@ impl Finder<'_> {
             open,
             self.counts,
         );
-        let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
-        for (number, edge) in edges.into_iter().enumerate() {
-            let end = ShadowEnd {
+        let ends: Vec<ShadowEnd> = edges
+            .iter()
+            .map(|edge| ShadowEnd {
                 at: line.psi_of(edge.direction),
                 hidden: line.psi[edge.hidden],
                 free: line.psi[edge.free],
+                is_found: edge.boundary.is_some(),
+            })
+            .collect();
+        let shadows = Shadows {
+            tracer: self.tracer,
+            adjacency: self.adjacency,
+            point: &point,
+            line,
+            ends: &ends,
+        };
+        let psi: Vec<f64> = ends.iter().map(|end| end.at).collect();
+        let weights = shadows.weights(&line.runs(&psi), stream, self.counts);
+        let mut at = LaneSurface::new(self.vertices, self.surface, lane, Lobe::Diffuse);
+        for ((edge, psi), weight) in edges.into_iter().zip(psi).zip(weights) {
+            let Some(boundary) = edge.boundary else {
+                continue;
             };
-            let draws = draws_until_found(
-                self.tracer,
-                self.adjacency,
-                &point,
-                line,
-                &end,
-                &stream.branch([number as u32, 0]),
-                self.counts,
-            );
-            let jump = radiance * (edge.sign() * draws * FAMILIES);
-            let direction = line.direction(end.at);
-            self.push(&mut at, line, lane, edge.boundary, direction, jump);
+            let jump = radiance * (edge.sign() * weight * FAMILIES);
+            self.push(&mut at, line, lane, boundary, line.direction(psi), jump);
         }
     }
 }

@@ -136,13 +136,17 @@ impl<'a> Candidate<'a> {
     fn distance(&self) -> f64 {
         let Cell { tracer, tile, .. } = self.cell;
         let axis = self.cell.line.axis;
+        let own = beside(tile, axis);
+        if !self.is_silhouette {
+            return own;
+        }
         let camera = &tracer.camera;
         let clear = clear_angle(tracer.geometry, &self.boundary, camera.origin.as_dvec3());
         let direction = dvec3(camera.direction(self.at[0], self.at[1]));
         let turn = direction.cross(camera.direction_per_pixel()[axis]);
         let angle_per_pixel = turn.length() / direction.length_squared();
         let most = MOST_PROBE * tile.step[axis];
-        beside(tile, axis).max((clear / angle_per_pixel).min(most))
+        own.max((clear / angle_per_pixel).min(most))
     }
 
     /// The film positions on either side, where probes look.

@@ -15,7 +15,8 @@ use super::moving::Sector;
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::random::Stream;
 use super::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of, leave, to_rays};
-use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
+use super::runs::Runs;
+use super::shadow_draws::{ShadowEnd, ShadowLine, Shadows};
 use super::store::{LightCrossing, Vertices};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
@@ -128,24 +129,17 @@ pub fn find(
                 ends: [ends[0][lane], ends[1][lane]],
                 point: SurfacePoint::of_lane(surface, &vertices.triangle, lane),
             };
-            for i in 0..POINTS - 1 {
-                let seen = [i, i + 1].map(|i| visible[i] >> lane & 1 == 1);
-                let [hidden, free] = match seen {
-                    [true, false] => [i + 1, i],
-                    [false, true] => [i, i + 1],
-                    _ => continue,
-                }
-                .map(|i| positions[i][lane] as f64);
-                let stream = draws(lane, axis).branch([1 + i as u32, 0]);
-                out.extend(line.crossing(
-                    [hidden, free],
-                    adjacency,
-                    surface,
-                    vertices,
-                    &stream,
-                    counts,
-                ));
-            }
+            let point = |i: usize| (positions[i][lane] as f64, visible[i] >> lane & 1 == 1);
+            let points = std::array::from_fn(point);
+            line.shadows(
+                &points,
+                adjacency,
+                surface,
+                vertices,
+                &draws(lane, axis),
+                counts,
+                out,
+            );
         }
     }
 }
@@ -238,38 +232,87 @@ impl ShadowLine for LightLine<'_> {
 }
 
 impl LightLine<'_> {
-    /// Walks from the occluder that hides one point toward another that is free, on to the next occluder as long as one
-    /// stands behind the silhouette.
-    fn crossing(
+    /// The ends of all shadows between its points, of which is known where they lie and whether they are lit.
+    #[allow(clippy::too_many_arguments)]
+    fn shadows(
         &self,
-        [hidden, free]: [f64; 2],
+        points: &[(f64, bool); POINTS],
         adjacency: &Adjacency,
         surface: &Surface,
         vertices: &Vertices,
         stream: &Stream,
         counts: &mut Counts,
-    ) -> Option<LightCrossing> {
-        let tracer = self.tracer;
-        let cell = [hidden, free];
-        let direction = self.between(cell);
+        out: &mut Vec<LightCrossing>,
+    ) {
+        let mut ends = Vec::new();
+        let mut found = Vec::new();
+        for pair in points.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
+            let is_lit_first = pair[0].1;
+            let (hidden, free) = if is_lit_first {
+                (pair[1].0, pair[0].0)
+            } else {
+                (pair[0].0, pair[1].0)
+            };
+            let end = self.follow([hidden, free], adjacency, counts);
+            counts.unresolved += end.is_none() as u64;
+            let at = end.as_ref().map_or(0.5, |end| end.at);
+            ends.push(ShadowEnd {
+                at: self.coordinate([hidden, free], at),
+                hidden,
+                free,
+                is_found: end.is_some(),
+            });
+            found.push(end);
+        }
+        let [from, to] = self.ends.map(f64::from);
+        let part = |end: &ShadowEnd| (end.at - from) / (to - from);
+        let place = |end| part(end) * INNER_POINTS as f64;
+        let runs = Runs::with_extra(ends.iter().map(place).collect(), ends.iter().map(part));
+        let shadows = Shadows {
+            tracer: self.tracer,
+            adjacency,
+            point: &self.point,
+            line: self,
+            ends: &ends,
+        };
+        let weights = shadows.weights(&runs, stream, counts);
+        for ((found, end), weight) in found.into_iter().zip(&ends).zip(weights) {
+            let sign = if end.hidden < end.free { -1.0 } else { 1.0 };
+            let jump = sign * weight;
+            out.extend(found.map(|found| self.crossing(found, end.at, jump, surface, vertices)));
+        }
+    }
+
+    /// Walks from the occluder that hides one point toward another that is free, on to the next occluder as long as one
+    /// stands behind the silhouette.
+    fn follow(
+        &self,
+        ends: [f64; 2],
+        adjacency: &Adjacency,
+        counts: &mut Counts,
+    ) -> Option<OccluderEnd> {
         let whole = [0.0, 1.0];
-        let found = follow_occluders(
-            tracer,
+        let direction = self.between(ends);
+        follow_occluders(
+            self.tracer,
             adjacency,
             &self.point,
             &direction,
             whole,
             SHADOW_FAR,
             counts,
-        );
-        let Some(OccluderEnd { edge, along, at }) = found else {
-            counts.unresolved += 1;
-            return None;
-        };
-        let at = self.coordinate(cell, at);
-        let end = ShadowEnd { at, hidden, free };
-        let draws = draws_until_found(tracer, adjacency, &self.point, self, &end, stream, counts);
-        let patch = &tracer.lights.patches[self.patch as usize];
+        )
+    }
+
+    fn crossing(
+        &self,
+        OccluderEnd { edge, along, .. }: OccluderEnd,
+        at: f64,
+        jump: f64,
+        surface: &Surface,
+        vertices: &Vertices,
+    ) -> LightCrossing {
+        let patch = &self.tracer.lights.patches[self.patch as usize];
         let line = patch.edges[1 - self.axis].as_dvec3();
         let boundary = match along {
             Some(along) => Boundary::Point { edge, along, line },
@@ -281,14 +324,13 @@ impl LightLine<'_> {
         } else {
             [fixed, at]
         };
-        let jump = if hidden < free { -draws } else { draws };
-        Some(LightCrossing {
+        LightCrossing {
             boundary,
             lane: self.lane as u8,
             patch: self.patch,
             at,
             radiance_per_side: self.radiance_per_side(surface, vertices, boundary, at, jump),
-        })
+        }
     }
 
     /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump · V/Ḟ over the

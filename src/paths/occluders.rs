@@ -15,18 +15,27 @@ pub const PROBE: f64 = 1e-3;
 /// Occluders behind one another that are followed before a cell is given up.
 const MAX_OCCLUDERS: usize = 64;
 
-/// And at least this many times as far from it as rays start from surfaces, but no farther than this fraction: where a body is a thin
-/// wedge, what starts nearer to its edge may start on its other side, and what looks into it look out of it.
+/// From the silhouettes of smooth meshes at least this many times as far as rays start from surfaces, but no farther than this
+/// fraction. Shading normals send rays into a body, and where that is a thin wedge what starts near its edge starts on its other
+/// side and gets out.
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// The angle that probes keep from a boundary as seen from `origin`, if they can.
-pub fn clear_angle(geometry: &Geometry, boundary: &Boundary, origin: DVec3) -> f64 {
-    let [v, w] = match *boundary {
-        Boundary::Edge([v, w]) => [v, w],
-        _ => return 0.0,
+/// The angle that probes keep from a silhouette as seen from `origin`, if they can.
+pub fn clear_angle(geometry: &Geometry, silhouette: &Boundary, origin: DVec3) -> f64 {
+    let Boundary::Edge([v, w]) = *silhouette else {
+        return 0.0;
+    };
+    let is_smooth = |v: u32| {
+        geometry
+            .normals
+            .get(v as usize)
+            .is_some_and(|n| *n != Vec3::ZERO)
+    };
+    if !is_smooth(v) {
+        return 0.0;
     }
-    .map(|v| geometry.positions[v as usize].as_dvec3());
+    let [v, w] = [v, w].map(|v| geometry.positions[v as usize].as_dvec3());
     let point = v.midpoint(w);
     let step = CLEAR * f64::from(OFFSET) * (point.abs().max_element() + 1.0);
     (step / point.distance(origin)).min(1.0)
@@ -89,7 +98,8 @@ impl SurfacePoint {
 
 /// An end of what hides the sky from a point, along a line of directions.
 pub struct ShadowEdge {
-    pub boundary: Boundary,
+    /// `None` where it was not found.
+    pub boundary: Option<Boundary>,
     pub direction: DVec3,
     /// The directions between which it lies: one in which the sky is hidden, and one in which it is seen.
     pub hidden: usize,
@@ -117,15 +127,14 @@ pub fn shadow_edges(
         let (hidden, free) = if is_open[i] { (i + 1, i) } else { (i, i + 1) };
         let along = |s: f64| directions[hidden] * (1.0 - s) + directions[free] * s;
         let far = f32::INFINITY;
-        match follow_occluders(tracer, adjacency, point, &along, [0.0, 1.0], far, counts) {
-            None => counts.unresolved += 1,
-            Some(end) => edges.push(ShadowEdge {
-                boundary: Boundary::Edge(end.edge),
-                direction: along(end.at),
-                hidden,
-                free,
-            }),
-        }
+        let end = follow_occluders(tracer, adjacency, point, &along, [0.0, 1.0], far, counts);
+        counts.unresolved += end.is_none() as u64;
+        edges.push(ShadowEdge {
+            direction: along(end.as_ref().map_or(0.5, |end| end.at)),
+            boundary: end.map(|end| Boundary::Edge(end.edge)),
+            hidden,
+            free,
+        });
     }
     edges
 }

@@ -38,6 +38,15 @@ pub struct Runs {
 pub(super) type Known = BTreeMap<[usize; 2], Reach>;
 
 impl Runs {
+    /// With another point that falls before each border with these chances.
+    pub(super) fn with_extra(places: Vec<f64>, before: impl Iterator<Item = f64>) -> Self {
+        let mut extra: Vec<f64> = before.chain([1.0]).collect();
+        for run in (1..extra.len()).rev() {
+            extra[run] -= extra[run - 1];
+        }
+        Self { places, extra }
+    }
+
     /// Without another point.
     pub fn new(places: Vec<f64>) -> Self {
         let extra = vec![0.0; places.len() + 1];
@@ -124,6 +133,26 @@ impl Runs {
         chance.clamp(SMALLEST_CHANCE, 1.0)
     }
 
+    /// One over the probability of finding each border of a line on which is seen only whether a light is hidden, as it is not
+    /// before the first border if `begins_open`. A search between what is hidden and what is not finds the border next to the
+    /// first (`super::occluders`).
+    pub(super) fn weights_of_shadows(&self, begins_open: bool) -> Vec<f64> {
+        let is_open = |run: usize| begins_open == run.is_multiple_of(2);
+        let mut search = |[j, k]: [usize; 2]| {
+            let mut reach = Reach::default();
+            match [is_open(j), is_open(k)] {
+                [false, true] => reach.borders.insert(j),
+                [true, false] => reach.borders.insert(k - 1),
+                _ => false,
+            };
+            reach
+        };
+        let mut known = Known::new();
+        (0..self.places.len())
+            .map(|border| 1.0 / self.chance_of_border(border, &mut known, &mut search))
+            .collect()
+    }
+
     /// The probability that a search looks at what is seen within a run.
     pub(super) fn chance_of_run(
         &self,
@@ -198,23 +227,12 @@ mod tests {
                 }
             }
             let trials = (SHIFTS * extras.len()) as f64;
-            // A search between an open run and another finds the border next to the latter.
-            let mut search = |[j, k]: [usize; 2]| {
-                let mut reach = Reach::default();
-                match [j % 2, k % 2] {
-                    [1, 0] => reach.borders.insert(j),
-                    [0, 1] => reach.borders.insert(k - 1),
-                    _ => false,
-                };
-                reach
-            };
-            let mut known = Known::new();
-            for (border, count) in counted.into_iter().enumerate() {
-                let chance = runs.chance_of_border(border, &mut known, &mut search);
+            for (weight, count) in runs.weights_of_shadows(true).into_iter().zip(counted) {
                 let expected = count as f64 / trials;
                 assert!(
-                    (chance - expected).abs() < 4.0 / SHIFTS as f64,
-                    "{chance} for {expected}, {with_extra}"
+                    (1.0 / weight - expected).abs() < 4.0 / SHIFTS as f64,
+                    "{} for {expected}, {with_extra}",
+                    1.0 / weight
                 );
             }
         }

@@ -8,7 +8,8 @@ use super::moving::Sector;
 use super::occluders::{SurfacePoint, shadow_edges};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
-use super::shadow_draws::{ShadowEnd, ShadowLine, draws_until_found};
+use super::runs::Runs;
+use super::shadow_draws::{ShadowEnd, ShadowLine, Shadows};
 use super::sky::{Sky, SkyLine};
 use super::store::Vertices;
 use super::surface::Surface;
@@ -216,22 +217,30 @@ impl Finder<'_> {
             open,
             self.counts,
         );
-        for (number, edge) in edges.into_iter().enumerate() {
-            let end = ShadowEnd {
+        let ends: Vec<ShadowEnd> = edges
+            .iter()
+            .map(|edge| ShadowEnd {
                 at: psi_of(line, edge.direction),
                 hidden: psi[edge.hidden],
                 free: psi[edge.free],
-            };
-            let draws = draws_until_found(
-                self.tracer,
-                self.adjacency,
-                &point,
-                self.seen,
-                &end,
-                &draws.branch([1 + number as u32, 0]),
-                self.counts,
-            );
-            out.extend(self.crossing(end.at, edge.boundary, edge.sign() * draws));
+                is_found: edge.boundary.is_some(),
+            })
+            .collect();
+        let shadows = Shadows {
+            tracer: self.tracer,
+            adjacency: self.adjacency,
+            point: &point,
+            line: self.seen,
+            ends: &ends,
+        };
+        let power = |end: &ShadowEnd| self.sky.power_below(line, end.at);
+        let place = |end| power(end) * INNER_POINTS as f64;
+        let runs = Runs::with_extra(ends.iter().map(place).collect(), ends.iter().map(power));
+        let weights = shadows.weights(&runs, draws, self.counts);
+        for ((edge, end), weight) in edges.into_iter().zip(&ends).zip(weights) {
+            if let Some(boundary) = edge.boundary {
+                out.extend(self.crossing(end.at, boundary, edge.sign() * weight));
+            }
         }
     }
 
