@@ -157,7 +157,7 @@ fn of_gradients() {
     let scene = tiny(GAUSSIAN);
     // A handful of numbers says less about their spread than many do.
     for (key, samples, runs) in [
-        ("block.vertex_positions", 4, 24),
+        ("block.vertex_positions", 4, 48),
         ("block.vertex_positions", 16, 24),
         ("block.vertex_positions", 64, 24),
         ("cam.rotation", 16, 160),
