@@ -69,6 +69,15 @@ fn thin_wedges_seen_in_a_reflection() {
     check(&scene, &[moved], 1024, Some(0.01), Fails);
 }
 
+/// Many facets of a body in one lobe: each edge brings its own jump and no other's.
+#[test]
+fn facets_seen_in_a_reflection() {
+    let scene = small_floor().solid("ball", ball(3, vec3(0.1, 1.9, 1.5), 0.5), [0.75; 3]);
+    let scene = lit(scene).depth(3).metal("floor", 0.05, Ggx);
+    let moved = ("ball.translation", [1.0, 0.0, 0.2].as_slice());
+    check(&scene, &[moved], 512, Some(0.01), Fails);
+}
+
 /// Spikes of one body before and behind one another: most silhouettes that walks come to lie behind something, and many are
 /// far from the middle of the lobe.
 #[test]
