@@ -205,6 +205,31 @@ fn smooth_ball() {
     );
 }
 
+/// Light that arrives between the planes of two triangles is seen on one side of their edge only, though shading goes on. Nothing but such
+/// edges moves here against the sky, half of which a wall hides.
+#[test]
+fn bends_of_smooth_bodies() {
+    let wall = parallelogram(
+        vec3(1.5, -50.0, -50.0),
+        vec3(0.0, 100.0, 0.0),
+        vec3(0.0, 0.0, 100.0),
+    );
+    for (levels, spp) in [(0, 64), (1, 512)] {
+        let scene = scene(vec3(0.3, 0.2, 4.0), Vec3::ZERO, 20.0, [16; 2], GAUSSIAN)
+            .smooth("ball", ball(levels, Vec3::ZERO, 1.0), [0.7, 0.4, 0.2])
+            .solid("wall", wall.clone(), [0.0; 3])
+            .sky(SKY)
+            .depth(2);
+        check(
+            &scene,
+            &[("ball.rotation", &[0.0, 0.0, 1.0])],
+            spp,
+            None,
+            Fails,
+        );
+    }
+}
+
 /// A concave mesh hides and shades itself.
 #[test]
 fn self_shadowing() {

@@ -19,17 +19,21 @@ const LEAST_SURVIVAL: f32 = 0.1;
 const LEAST_CHANCE: f32 = 0.1;
 
 impl Tracer<'_> {
-    /// Draws the next direction and decides who goes on and who looks for silhouettes; `depth` is the vertex's own.
+    /// Draws the next direction and decides who goes on and who looks for silhouettes; `depth` is the vertex's own. Only a part
+    /// `rim` of the directions that a diffuse lobe may draw is wanted, those nearest to the horizon (1: all).
     pub fn bounce(
         &self,
         vertices: &mut Vertices,
         surface: &Surface,
+        rim: Lane,
         stream: &Stream,
         index: &[u32; LANES],
         depth: u32,
     ) -> (RayPacket, u32) {
         let base = depth * PAIRS_PER_VERTEX;
         let (u, v) = stream.pair(index, base + 2);
+        let one = Lane::splat(1.0);
+        let u = <Lane as Real>::select(rim.lt(one), one - rim * (one - u), u);
         vertices.local = cosine_direction(u, v);
         let direction = if surface.interface.is_none() {
             vertices.weight = vertices.colour;

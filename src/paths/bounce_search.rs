@@ -1,5 +1,6 @@
 //! What lies on one line over the hemisphere of a vertex: searched for, and looked at from both sides.
 
+use super::beside::Beside;
 use super::bounce_cells::{FAMILIES, Finder, Seen};
 use super::bounce_lines::{LaneSurface, Line};
 use super::line_runs::{Border, LineRuns, RayLine};
@@ -9,21 +10,18 @@ use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::tracer::Counts;
 use crate::lanes::{LANES, Lane, V3};
 use crate::warp::boundary::Boundary;
-use crate::warp::resolve::{Crossing, between, between_halves};
+use crate::warp::crossing::Crossing;
+use crate::warp::resolve::{between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
 
 /// A crossing on a line among reflecting surfaces, before its jump is known.
 struct Found {
-    boundary: Boundary,
+    crossing: Crossing,
     arc: Arc,
-    /// Where on the arc.
-    s: f64,
     /// Where on the line.
     psi: f64,
     is_silhouette: bool,
-    /// How many it stands for.
-    count: u32,
     /// How far beside it is looked, on the arc.
     beside: f64,
     /// What the ends of the arc see.
@@ -150,8 +148,9 @@ impl Finder<'_> {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let [a, b] = [end, start].map(|psi| before.direction(psi).as_vec3());
         let directions = from_lanes(&std::array::from_fn(|l| if l == 0 { a } else { b }));
-        let (radiance, _) =
-            self.radiance_beside(&point, directions, [0b11; 2], way, &[index; LANES]);
+        let mut sides = Beside::default();
+        sides.add(0, true, false);
+        let (radiance, _) = self.radiance_beside(&point, directions, sides, way, &[index; LANES]);
         let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
         let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
         if jump != DVec3::ZERO {
@@ -160,18 +159,18 @@ impl Finder<'_> {
         }
     }
 
-    /// Radiance from the `wanted` of these directions, and the triangles that all that are `active` see.
+    /// Radiance from these directions, and the triangles that all that are `active` see.
     fn radiance_beside(
         &mut self,
         point: &SurfacePoint,
         directions: V3<Lane>,
-        [active, wanted]: [u32; 2],
+        beside: Beside,
         way: &Way,
         index: &[u32; LANES],
     ) -> (V3<Lane>, [u32; LANES]) {
         let normal = from_lanes(&[point.geometric; LANES]);
         let rays = RayPacket {
-            active,
+            active: beside.active,
             origin: leave(from_lanes(&[point.x; LANES]), normal, directions),
             direction: directions,
             near: 0.0,
@@ -179,7 +178,7 @@ impl Finder<'_> {
         };
         self.tracer.radiance_along(
             rays,
-            wanted,
+            beside,
             way.depth,
             way.is_narrow,
             way.stream,
@@ -268,22 +267,21 @@ impl Finder<'_> {
         let mut found = Vec::new();
         for (arc, triangles, [silhouette, ridge]) in parts {
             for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
-                let Some(Crossing { boundary, s, count }) = crossing else {
+                let Some(crossing) = crossing else {
                     continue;
                 };
                 let clear = if is_silhouette {
-                    clear_angle(tracer.geometry, &boundary, arc.origin) / arc.a.angle_between(arc.b)
+                    clear_angle(tracer.geometry, &crossing.boundary, arc.origin)
+                        / arc.a.angle_between(arc.b)
                 } else {
                     0.0
                 };
                 found.push(Found {
-                    boundary,
+                    crossing,
                     arc,
-                    s,
                     beside: clear.clamp(PROBE, MOST_PROBE),
-                    psi: line.psi_of(arc.direction(s)),
+                    psi: line.psi_of(arc.direction(crossing.s)),
                     is_silhouette,
-                    count,
                     triangles,
                     cell,
                 });
@@ -309,38 +307,36 @@ impl Finder<'_> {
         let point = SurfacePoint::of_lane(self.surface, &self.vertices.triangle, lane);
         let moves = |f: &Found| {
             self.vertices.moves >> lane & 1 == 1
-                || self.tracer.moving.boundary(geometry, &f.boundary)
+                || self.tracer.moving.boundary(geometry, &f.crossing.boundary)
         };
         let moves: Vec<bool> = found.iter().map(moves).collect();
         for (number, group) in found.chunks(LANES / 2).enumerate() {
             let mut directions = [Vec3::Z; LANES];
-            let [mut active, mut wanted] = [0u32; 2];
-            for (i, Found { arc, s, beside, .. }) in group.iter().enumerate() {
-                for (k, side) in [-beside, *beside].into_iter().enumerate() {
-                    directions[2 * i + k] = arc.direction(s + side).normalize().as_vec3();
+            let mut sides = Beside::default();
+            for (i, found) in group.iter().enumerate() {
+                for (k, side) in [-found.beside, found.beside].into_iter().enumerate() {
+                    directions[2 * i + k] = found
+                        .arc
+                        .direction(found.crossing.s + side)
+                        .normalize()
+                        .as_vec3();
                 }
-                active |= 0b11 << (2 * i);
-                wanted |= (moves[number * LANES / 2 + i] as u32 * 0b11) << (2 * i);
+                sides.add(i, moves[number * LANES / 2 + i], found.crossing.is_bend);
             }
             let index = std::array::from_fn(|l| index + (number * LANES / 2 + l / 2) as u32);
-            let (radiance, seen) = self.radiance_beside(
-                &point,
-                from_lanes(&directions),
-                [active, wanted],
-                way,
-                &index,
-            );
+            let (radiance, seen) =
+                self.radiance_beside(&point, from_lanes(&directions), sides, way, &index);
             for (i, found) in group.iter().enumerate() {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
                 let seen = [seen[2 * i], seen[2 * i + 1]];
-                let jump = (before - after) * found.count as f64;
+                let jump = (before - after) * found.crossing.count;
                 // Silhouettes may lie behind what is seen.
                 let is_hidden = found.is_silhouette && seen[0] == seen[1];
                 if !jump.is_finite() {
                     self.counts.not_finite += 1;
                 } else if jump != DVec3::ZERO && !is_hidden {
                     on_line.met.push(Met {
-                        boundary: found.boundary,
+                        boundary: found.crossing.boundary,
                         psi: found.psi,
                         is_silhouette: found.is_silhouette,
                         cell: found.cell,
@@ -349,7 +345,8 @@ impl Finder<'_> {
                 }
                 if found.is_silhouette {
                     if seen[0] != seen[1] {
-                        let beside = [found.s - found.beside, found.s + found.beside];
+                        let beside =
+                            [-found.beside, found.beside].map(|side| found.crossing.s + side);
                         on_line.borders.push(Border {
                             at: found.psi,
                             beside: beside.map(|s| line.psi_of(found.arc.direction(s))),
@@ -374,8 +371,8 @@ impl Finder<'_> {
         on_line: &mut OnLine,
     ) -> Vec<Found> {
         let Found {
+            crossing: Crossing { s, .. },
             arc,
-            s,
             beside,
             cell,
             ..

@@ -5,8 +5,9 @@ use super::line_runs::Border;
 use super::occluders::{MOST_PROBE, clear_angle};
 use super::tracer::{Counts, Tracer};
 use crate::warp::adjacency::Adjacency;
-use crate::warp::boundary::{Boundary, dvec3};
-use crate::warp::resolve::{Crossing, Unresolved, between, between_halves};
+use crate::warp::boundary::dvec3;
+use crate::warp::crossing::Crossing;
+use crate::warp::resolve::{Unresolved, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -26,13 +27,10 @@ pub(super) struct LatticeLine {
 
 /// A crossing before its jump is known.
 pub(super) struct Candidate<'a> {
-    pub boundary: Boundary,
+    pub crossing: Crossing,
     pub at: [f64; 2],
-    /// Number of crossings it stands for.
-    pub count: u32,
-    /// Where it was found, and where in that: 0 to 1.
+    /// Where it was found.
     pub cell: Cell<'a>,
-    pub s: f64,
     /// Not an edge within what is seen.
     pub is_silhouette: bool,
 }
@@ -80,13 +78,12 @@ impl<'a> Cell<'a> {
         )?;
         let [silhouette, ridge] = found;
         let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
-            let Crossing { boundary, s, count } = crossing?;
+            let mut crossing = crossing?;
+            crossing.count *= self.weight as f64;
             Some(Candidate {
-                boundary,
-                at: self.at(s).0,
-                count: count * self.weight,
+                crossing,
+                at: self.at(crossing.s).0,
                 cell: *self,
-                s,
                 is_silhouette,
             })
         };
@@ -141,7 +138,11 @@ impl<'a> Candidate<'a> {
             return own;
         }
         let camera = &tracer.camera;
-        let clear = clear_angle(tracer.geometry, &self.boundary, camera.origin.as_dvec3());
+        let clear = clear_angle(
+            tracer.geometry,
+            &self.crossing.boundary,
+            camera.origin.as_dvec3(),
+        );
         let direction = dvec3(camera.direction(self.at[0], self.at[1]));
         let turn = direction.cross(camera.direction_per_pixel()[axis]);
         let angle_per_pixel = turn.length() / direction.length_squared();
@@ -180,7 +181,11 @@ impl<'a> Candidate<'a> {
         borders: &mut Borders,
         counts: &mut Counts,
     ) -> Vec<Candidate<'a>> {
-        let Self { cell, s, .. } = self;
+        let Self {
+            cell,
+            crossing: Crossing { s, .. },
+            ..
+        } = self;
         let beside = self.distance() / cell.length;
         let [a, b] = cell.triangles;
         let [before, after] = seen;

@@ -9,6 +9,7 @@
 //! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
 //! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
 
+use super::beside::Beside;
 use super::film_cell::{Borders, Candidate, Cell, LatticeLine, first_hit, steps};
 use super::film_runs;
 use super::lattice::Tile;
@@ -225,15 +226,8 @@ fn probe<'a>(
                 directions[2 * i + k] = dvec3(tracer.camera.direction(u, v)).as_vec3();
             }
         }
-        let rays = RayPacket {
-            active: (1 << (2 * group.len())) - 1,
-            origin: splat(tracer.camera.origin),
-            direction: from_lanes(&directions),
-            near: tracer.camera.near_clip,
-            far: tracer.camera.far_clip,
-        };
         let mut index = [PROBE_INDEX; LANES];
-        let mut wanted = 0;
+        let mut sides = Beside::default();
         for (i, candidate) in group.iter().enumerate() {
             let Cell { number, .. } = candidate.cell;
             let place = if last.0 == number { last.1 + 1 } else { 0 };
@@ -241,16 +235,25 @@ fn probe<'a>(
             // Both sides of a crossing share their random numbers, and nothing else does.
             let own = (number * ROUNDS + round) * PROBES_PER_ROUND + place;
             index[2 * i..2 * i + 2].fill(PROBE_INDEX + own);
-            let moves = tracer.moving.boundary(tracer.geometry, &candidate.boundary);
-            wanted |= (moves as u32 * 3) << (2 * i);
+            let moves = tracer
+                .moving
+                .boundary(tracer.geometry, &candidate.crossing.boundary);
+            sides.add(i, moves, candidate.crossing.is_bend);
         }
+        let rays = RayPacket {
+            active: sides.active,
+            origin: splat(tracer.camera.origin),
+            direction: from_lanes(&directions),
+            near: tracer.camera.near_clip,
+            far: tracer.camera.far_clip,
+        };
         let (radiance, seen) =
-            tracer.radiance_along(rays, wanted, 0, true, &tile.stream, &index, counts);
+            tracer.radiance_along(rays, sides, 0, true, &tile.stream, &index, counts);
         let radiance = to_rgb(radiance);
         for (i, candidate) in group.iter().enumerate() {
             let (before, after) = (radiance[2 * i], radiance[2 * i + 1]);
             let jump: Rgb =
-                std::array::from_fn(|c| (before[c] - after[c]) * candidate.count as f32);
+                std::array::from_fn(|c| (before[c] - after[c]) * candidate.crossing.count as f32);
             let is_finite = jump.iter().all(|j| j.is_finite());
             counts.not_finite += !is_finite as u64;
             let [u, v] = candidate.at;
@@ -264,7 +267,7 @@ fn probe<'a>(
                     steps: steps(tile, line, candidate.at),
                     is_silhouette: candidate.is_silhouette,
                     crossing: FilmCrossing {
-                        boundary: candidate.boundary,
+                        boundary: candidate.crossing.boundary,
                         axis: line.axis as u8,
                         at: candidate.at,
                         jump,

@@ -1,5 +1,6 @@
 //! Paths: how film samples lie, how paths are traced and stored, how they become an image.
 
+pub mod beside;
 pub mod bounce;
 pub mod bounce_cells;
 pub mod bounce_lines;

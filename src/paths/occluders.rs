@@ -7,7 +7,8 @@ use crate::lanes::LANES;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
-use crate::warp::walk::{Arc, Reservoir, Walk, walk};
+use crate::warp::crossing::Reservoir;
+use crate::warp::walk::{Arc, Walk, walk};
 use glam::{DVec3, Vec3};
 
 /// How far beyond a silhouette the probe looks, as a fraction of the cell.

@@ -2,6 +2,7 @@
 //!
 //! What is drawn and how it is weighed is in `paths::direct` and `paths::bounce`.
 
+use super::beside;
 use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
 use super::lights::Lights;
@@ -109,16 +110,18 @@ impl Tracer<'_> {
         counts: &mut Counts,
         store: &mut TileStore,
     ) {
-        self.trace_vertices(rays, 0, true, stream, index, counts, store);
+        self.trace_vertices(rays, 0, true, 0, stream, index, counts, store);
         store.depths.push(store.vertices.len() as u32);
     }
 
+    /// Appends vertices from number `first_depth` on. `bends`: see [`beside::rim`]; none if the paths are to be differentiated.
     #[allow(clippy::too_many_arguments)]
-    fn trace_vertices(
+    pub(super) fn trace_vertices(
         &self,
         mut rays: RayPacket,
         first_depth: u32,
         with_emission: bool,
+        bends: u32,
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
@@ -133,6 +136,7 @@ impl Tracer<'_> {
             1.0
         };
         let mut previous: Option<Surface> = None;
+        let mut rim = Lane::splat(1.0);
         let mut moves = self.moving.camera_lanes();
         for depth in first_depth.. {
             let triangle = self.intersect(&rays, coherence);
@@ -177,7 +181,7 @@ impl Tracer<'_> {
             }
             let surface = self.surface(&mut vertices);
             if let (Some(previous), Some(from)) = (&previous, store.vertices.last()) {
-                self.weigh_emission(&mut vertices, from, previous);
+                self.weigh_emission(&mut vertices, from, previous, rim);
             }
 
             let segments = depth + 2;
@@ -217,12 +221,15 @@ impl Tracer<'_> {
                     self.see_delta_lights(&mut vertices, &surface, counts, store);
                 }
                 if bounces {
-                    let (next, alive) = self.bounce(&mut vertices, &surface, stream, index, depth);
+                    let bends = if depth == first_depth { bends } else { 0 };
+                    rim = beside::rim(bends, &vertices, &surface);
+                    let (next, alive) =
+                        self.bounce(&mut vertices, &surface, rim, stream, index, depth);
                     rays = RayPacket {
                         active: alive,
                         ..next
                     };
-                    throughput = throughput.times(vertices.weight) * vertices.survival;
+                    throughput = throughput.times(vertices.weight) * (vertices.survival * rim);
                     coherence = Coherence::Incoherent;
                     let last = !goes_on;
                     let looks = vertices.line_survival.gt(Lane::splat(0.0)).to_bits() != 0;
@@ -242,7 +249,7 @@ impl Tracer<'_> {
                         // Only whether the environment is seen matters: any hit will do.
                         let mut end = self.last_bounce(&rays, throughput, counts);
                         if let Some(from) = store.vertices.last() {
-                            self.weigh_emission(&mut end, from, &surface);
+                            self.weigh_emission(&mut end, from, &surface, rim);
                         }
                         if let Some(adjacency) = self.adjacency {
                             let sees = Seen::Environment(end.escaped);
@@ -272,7 +279,13 @@ impl Tracer<'_> {
     }
 
     /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
-    fn weigh_emission(&self, vertices: &mut Vertices, from: &Vertices, surface: &Surface) {
+    fn weigh_emission(
+        &self,
+        vertices: &mut Vertices,
+        from: &Vertices,
+        surface: &Surface,
+        rim: Lane,
+    ) {
         let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
         let one = Lane::splat(1.0);
         vertices.emission_weight = one;
@@ -281,7 +294,7 @@ impl Tracer<'_> {
             let (weight, value) = self.sampled_emission(vertices, from, surface);
             let sampled = lane_mask(vertices.sampled);
             vertices.emission_weight = <Lane as Real>::select(sampled, weight, one);
-            vertices.sampled_value = value;
+            vertices.sampled_value = value * rim;
         }
         let escaped = drawn & vertices.escaped;
         if let (Some(sky), true) = (self.sky, escaped != 0) {
@@ -290,7 +303,7 @@ impl Tracer<'_> {
             vertices.sampled |= escaped;
             vertices.emission_weight =
                 <Lane as Real>::select(lanes, weight, vertices.emission_weight);
-            vertices.sampled_value = V3::select(lanes, value, vertices.sampled_value);
+            vertices.sampled_value = V3::select(lanes, value * rim, vertices.sampled_value);
         }
     }
 
@@ -404,60 +417,5 @@ impl Tracer<'_> {
                 super::environment::radiance(texture, map, direction)
             }
         }
-    }
-
-    /// Radiance along those rays that are `wanted`, and the triangles that all of them meet. They lead to vertex `depth` of a
-    /// path, with what they find emitting there or without it. For looking beside silhouettes, so no silhouettes are sought.
-    #[allow(clippy::too_many_arguments)]
-    pub fn radiance_along(
-        &self,
-        rays: RayPacket,
-        wanted: u32,
-        depth: u32,
-        with_emission: bool,
-        stream: &Stream,
-        index: &[u32; LANES],
-        counts: &mut Counts,
-    ) -> (V3<Lane>, [u32; LANES]) {
-        let others = RayPacket {
-            active: rays.active & !wanted,
-            ..rays
-        };
-        counts.probe += others.active.count_ones() as u64;
-        let seen = match others.active {
-            0 => [NO_TRIANGLE; LANES],
-            _ => self.intersect(&others, Coherence::Incoherent),
-        };
-        let rays = RayPacket {
-            active: rays.active & wanted,
-            ..rays
-        };
-        if rays.active == 0 {
-            return (V3::splat(0.0), seen);
-        }
-        let plain = Tracer {
-            adjacency: None,
-            ..*self
-        };
-        let mut store = TileStore::default();
-        let mut probed = Counts::default();
-        plain.trace_vertices(
-            rays,
-            depth,
-            with_emission,
-            stream,
-            index,
-            &mut probed,
-            &mut store,
-        );
-        counts.probe += probed.rays();
-        let first = store.vertices.first();
-        (
-            plain.radiance(&store, &store.vertices),
-            std::array::from_fn(|l| match (rays.active >> l & 1, first) {
-                (1, Some(v)) => v.triangle[l],
-                _ => seen[l],
-            }),
-        )
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod boundary;
+pub mod crossing;
 pub mod ink;
 pub mod resolve;
 pub mod walk;

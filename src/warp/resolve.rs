@@ -7,19 +7,10 @@
 
 use super::adjacency::Adjacency;
 use super::boundary::Boundary;
+use super::crossing::{Crossing, Reservoir};
 use super::ink;
-use super::walk::{Arc, Fold, Reservoir, Walk, walk};
+use super::walk::{Arc, Fold, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
-
-/// A boundary between two rays.
-#[derive(Clone, Copy, Debug)]
-pub struct Crossing {
-    pub boundary: Boundary,
-    /// Parameter of the arc.
-    pub s: f64,
-    /// How many of its kind it stands for.
-    pub count: u32,
-}
 
 /// There must be a silhouette between two rays, and it was not found.
 #[derive(Clone, Copy, Debug)]
@@ -84,13 +75,13 @@ pub fn between(
     let from_a =
         (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, arc, [a, b], 1.0, &mut ridges));
     if let Some(Walk::Reached) = from_a {
-        return Ok([None, ridges.crossing()]);
+        return Ok([None, ridges.chosen()]);
     }
     let mut ridges = reservoir();
     let from_b =
         (b != NO_TRIANGLE).then(|| walk(geometry, adjacency, &back, [b, a], 1.0, &mut ridges));
     let silhouette = match (from_a, from_b) {
-        (_, Some(Walk::Reached)) => return Ok([None, ridges.turned().crossing()]),
+        (_, Some(Walk::Reached)) => return Ok([None, ridges.turned().chosen()]),
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             let distance = |fold: &Fold| (fold.point - arc.origin).length_squared();
             if distance(&f) <= distance(&g) {
@@ -130,23 +121,9 @@ pub fn between(
             &mut ridges,
         );
     }
-    let silhouette = Crossing {
-        boundary: Boundary::Edge(silhouette.edge),
-        s: silhouette.s.clamp(0.0, 1.0),
-        count: 1,
-    };
-    Ok([Some(silhouette), ridges.crossing()])
-}
-
-impl Reservoir {
-    fn crossing(self) -> Option<Crossing> {
-        let count = self.count;
-        self.chosen.map(|(boundary, s)| Crossing {
-            boundary,
-            s: s.clamp(0.0, 1.0),
-            count,
-        })
-    }
+    let s = silhouette.s.clamp(0.0, 1.0);
+    let silhouette = Crossing::at(Boundary::Edge(silhouette.edge), s);
+    Ok([Some(silhouette), ridges.chosen()])
 }
 
 /// A painted line between two rays that see one triangle.
@@ -164,10 +141,10 @@ fn painted(
     let points = corners.map(|v| geometry.positions[v as usize].as_dvec3() - arc.origin);
     let mut lines = Reservoir::new(choice, gap);
     for (line, s) in ink::lines(geometry, triangle, points, arc, [0.0, 1.0]) {
-        lines.meet(line, s);
+        lines.meet(Crossing::at(line, s));
     }
-    lines.settle(1.0 + gap);
-    lines.crossing()
+    lines.settle(f64::INFINITY);
+    lines.chosen()
 }
 
 /// The line in which the planes of triangles `a` and `b` meet, if it passes between the rays.
@@ -177,11 +154,7 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
     let s = at_a / (at_a - at_b);
     if (0.0..=1.0).contains(&s) {
-        Ok(Crossing {
-            boundary,
-            s,
-            count: 1,
-        })
+        Ok(Crossing::at(boundary, s))
     } else {
         Err(Unresolved)
     }

@@ -11,6 +11,7 @@
 
 use super::adjacency::{Across, Adjacency};
 use super::boundary::Boundary;
+use super::crossing::{Crossing, Reservoir};
 use super::ink;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
@@ -126,7 +127,7 @@ pub fn walk(
         if is_painted && ridges.is_open() {
             let part = [entered_at, s.min(limit)];
             for (line, s) in ink::lines(geometry, triangle, points, arc, part) {
-                ridges.meet(line, s);
+                ridges.meet(Crossing::at(line, s));
             }
         }
         if s >= limit {
@@ -162,24 +163,24 @@ pub fn walk(
             return Walk::Fold(fold);
         }
         if ridges.is_open() {
-            // Shading normals may go on where the plane of the triangle does not: below that rays start on the other side of the
-            // surface, so that the part of a lobe between the two planes sees something else.
-            let bends = bend(points, points_across) > if is_smooth { COARSE } else { FLAT };
-            let is_torn = || is_smooth && is_torn(geometry, triangle, corner, &across);
-            if bends
-                || is_torn()
+            let ridge = Crossing::at(Boundary::Edge(fold.edge), s);
+            let bend = bend(points, points_across);
+            if (bend > FLAT && !is_smooth)
+                || (is_smooth && is_torn(geometry, triangle, corner, &across))
                 || (is_painted && ink::is_seam(geometry, triangle, corner, &across))
             {
-                ridges.meet(Boundary::Edge(fold.edge), s);
+                ridges.meet(ridge);
+            } else if bend > FLAT {
+                ridges.meet_bend(ridge, (bend / COARSE).min(1.0));
             }
         }
         if across.triangle == goal {
             if is_painted && ridges.is_open() {
                 for (line, s) in ink::lines(geometry, goal, points_across, arc, [s, 1.0]) {
-                    ridges.meet(line, s);
+                    ridges.meet(Crossing::at(line, s));
                 }
             }
-            ridges.settle(1.0 + ridges.gap);
+            ridges.settle(f64::INFINITY);
             return Walk::Reached;
         }
         let mut side_across = side;
@@ -194,78 +195,11 @@ pub fn walk(
     Walk::Lost
 }
 
-/// One crossing out of a stream of unknown length, each with the same chance (a reservoir of one, whose random number is
-/// stretched after each decision).
-pub struct Reservoir {
-    /// With its parameter on the arc.
-    pub chosen: Option<(Boundary, f64)>,
-    pub count: u32,
-    /// In [0, 1); `None` if nothing is to be collected.
-    choice: Option<f64>,
-    /// Crossings nearer than this to the next one are left out: who looks beside the next one sees both.
-    gap: f64,
-    pending: Option<(Boundary, f64)>,
-}
-
-impl Reservoir {
-    /// Collects crossings that are at least `gap` apart; `choice` is uniform in [0, 1).
-    pub fn new(choice: f64, gap: f64) -> Self {
-        Self {
-            chosen: None,
-            count: 0,
-            choice: Some(choice),
-            gap,
-            pending: None,
-        }
-    }
-
-    /// Takes nothing.
-    pub fn closed() -> Self {
-        Self {
-            choice: None,
-            ..Self::new(0.0, 0.0)
-        }
-    }
-
-    /// The same choice, seen from the arc's other end.
-    pub fn turned(mut self) -> Self {
-        self.chosen = self.chosen.map(|(boundary, s)| (boundary, 1.0 - s));
-        self
-    }
-
-    fn is_open(&self) -> bool {
-        self.choice.is_some()
-    }
-
-    /// Offers a crossing.
-    pub fn meet(&mut self, boundary: Boundary, s: f64) {
-        self.settle(s);
-        self.pending = Some((boundary, s));
-    }
-
-    /// Decides about the crossing offered last, now that the next one is known to be at `s`.
-    pub fn settle(&mut self, s: f64) {
-        let (Some(pending), Some(choice)) = (self.pending.take(), &mut self.choice) else {
-            return;
-        };
-        if s - pending.1 < self.gap {
-            return;
-        }
-        self.count += 1;
-        let chance = 1.0 / self.count as f64;
-        if *choice < chance {
-            self.chosen = Some(pending);
-            *choice /= chance;
-        } else {
-            *choice = (*choice - chance) / (1.0 - chance);
-        }
-    }
-}
-
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
 const FLAT: f64 = 1e-10;
 
-/// The same for smooth surfaces: a tenth of a radian. What finer meshes have is less than the noise of looking for it.
+/// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as many as leave each about as much to
+/// bring: the part of a hemisphere that lies between two planes goes as the square of their angle.
 const COARSE: f64 = 1e-2;
 
 /// The squared sine of the angle between the planes of two triangles.

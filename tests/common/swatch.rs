@@ -127,7 +127,14 @@ impl Swatch {
             let stream = Stream::new(23, [number / 512, number % 512]);
             for point in 0..points {
                 let mut vertices = vertices.clone();
-                let (rays, _) = tracer.bounce(&mut vertices, &surface, &stream, &[point; LANES], 0);
+                let (rays, _) = tracer.bounce(
+                    &mut vertices,
+                    &surface,
+                    Lane::splat(1.0),
+                    &stream,
+                    &[point; LANES],
+                    0,
+                );
                 for lane in 0..toward.len() {
                     let bit = |bits: u32| bits >> lane & 1;
                     let lobes = Lobes {
