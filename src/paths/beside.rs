@@ -1,11 +1,12 @@
 //! What is seen beside silhouettes, and on the two sides of edges within what is seen.
 
+use super::direct::toward;
 use super::random::Stream;
 use super::rays::RayPacket;
-use super::store::{TileStore, Vertices};
+use super::store::{TileStore, Vertices, lane_mask};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
-use crate::lanes::{LANES, Lane, V3};
+use crate::lanes::{LANES, Lane, Real, V3};
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -30,34 +31,93 @@ impl Beside {
     }
 }
 
-/// The part of the directions that diffuse lobes draw in which the two sides of a bend can see different things; 1 in lanes that are
-/// beside none.
+/// Lanes on the two sides of bends, and the planes of the triangles there.
 ///
-/// Over a bend the shading normal n goes on, and with common random numbers both sides draw one direction d. It is hidden on one
-/// side only if it lies between the planes of the two triangles, whose normals are g: then n·d ≤ |n × g| for one
-/// of them. The square of n·d is uniform under cosine-distributed directions, so that is |n × g|² of them; the rest brings
-/// nothing to the difference, which would otherwise be rare and large.
-pub(super) fn rim(bends: u32, vertices: &Vertices, surface: &Surface) -> Lane {
-    let one = Lane::splat(1.0);
-    let bends = bends & !vertices.kinds.special();
-    if bends == 0 {
-        return one;
-    }
-    let cos = surface.n.dot(surface.geometric);
-    let sine2 = (one - cos * cos).to_array();
-    Lane::new(std::array::from_fn(|lane| {
-        if bends >> lane & 1 == 0 {
-            return 1.0;
+/// Over a bend the shading normal n goes on, and what arrives from a direction d is reflected alike on both sides. It is hidden on one
+/// side only if d lies between the planes of the two triangles. All else is left out: it would bring what the radiance
+/// changes by from one probe to the other, which is no jump, and for each of the many edges in a cell.
+pub(super) struct Bends {
+    lanes: u32,
+    /// Geometric normals on the side of n, of each lane's triangle and of that on the other side of the edge.
+    planes: [V3<Lane>; 2],
+}
+
+impl Bends {
+    pub fn new(lanes: u32, surface: &Surface) -> Self {
+        let own = surface.geometric * surface.geometric.dot(surface.n).signum();
+        let swapped = |v: Lane| {
+            let v = v.to_array();
+            Lane::new(std::array::from_fn(|lane| v[lane ^ 1]))
+        };
+        let other = V3::new(swapped(own.x), swapped(own.y), swapped(own.z));
+        Self {
+            lanes,
+            planes: [own, other],
         }
-        // The two sides' normals differ a little.
-        (sine2[lane].max(sine2[lane ^ 1]) * 1.01 + ROUNDING).min(1.0)
-    }))
+    }
+
+    /// Lanes in which what arrives from these directions counts.
+    pub fn count(&self, directions: V3<Lane>) -> u32 {
+        let [own, other] = self
+            .planes
+            .map(|g| g.dot(directions).gt(Lane::splat(0.0)).to_bits());
+        !self.lanes | (own ^ other)
+    }
+
+    /// The part of the directions that diffuse lobes draw that can lie between the planes, nearest to the horizon; 1 in lanes that are
+    /// beside no bend.
+    ///
+    /// Such a direction has n·d ≤ |n × g| for the normal g of one of the planes. The square of n·d is uniform under
+    /// cosine-distributed directions, so that is |n × g|² of them. If all were drawn, the jump would be rare and large.
+    pub fn rim(&self, vertices: &Vertices, surface: &Surface) -> Lane {
+        let lanes = self.lanes & !vertices.kinds.special();
+        let sine2 = self.planes.map(|g| {
+            let cos = surface.n.dot(g);
+            (Lane::splat(1.0) - cos * cos).to_array()
+        });
+        Lane::new(std::array::from_fn(|lane| {
+            if lanes >> lane & 1 == 0 {
+                return 1.0;
+            }
+            // The two sides' normals differ a little.
+            (sine2[0][lane].max(sine2[1][lane]) * 1.01 + ROUNDING).min(1.0)
+        }))
+    }
 }
 
 /// Of the square of a sine.
 const ROUNDING: f32 = 1e-5;
 
 impl Tracer<'_> {
+    /// Leaves out what is alike on both sides of bends: emission, and light samples from elsewhere than between the planes.
+    pub(super) fn keep_between(
+        &self,
+        bends: &Bends,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        store: &mut TileStore,
+    ) {
+        let keep = |counts: u32, weight: Lane| {
+            <Lane as Real>::select(lane_mask(counts), weight, Lane::splat(0.0))
+        };
+        vertices.emission_weight = keep(!bends.lanes, vertices.emission_weight);
+        if !self.lights.is_empty() {
+            let light = &mut vertices.light;
+            let [s, r] = [light.s, light.r].map(Lane::to_array);
+            let toward = self.patch_points(&light.patch, &s, &r) - surface.x;
+            light.weight = keep(bends.count(toward), light.weight);
+        }
+        let [from, to] = vertices.sky.map(|i| i as usize);
+        for sample in &mut store.sky_samples[from..to] {
+            sample.weight = keep(bends.count(sample.direction), sample.weight);
+        }
+        let [from, to] = vertices.delta_lights.map(|i| i as usize);
+        let seen = &mut store.delta_visible[from..to];
+        for (light, seen) in self.scene.delta_lights.iter().zip(seen) {
+            *seen &= bends.count(toward(light, surface.x).0);
+        }
+    }
+
     /// Radiance along those rays of which it is wanted, and the triangles that all that look meet. They lead to vertex `depth` of a
     /// path, with what they find emitting there or without it. No silhouettes are sought.
     #[allow(clippy::too_many_arguments)]
@@ -147,9 +207,11 @@ mod tests {
                 b: [Lane::splat(0.0); 2],
                 interface: None,
             };
-            let rim = rim(0b11, &Vertices::default(), &surface).to_array();
-            assert_eq!(rim[0], rim[1]);
+            let bends = Bends::new(0b11, &surface);
+            let rim = bends.rim(&Vertices::default(), &surface).to_array();
+            assert!((rim[0] - rim[1]).abs() < 1e-6);
             assert_eq!(rim[2], 1.0, "this lane is beside no bend");
+            assert_eq!(bends.count(from_lanes(&[Vec3::Z; LANES])), !0b11);
             let largest = sides.map(|g| Vec3::Z.cross(g).length_squared());
             assert!(rim[0] < 1.1 * largest[0].max(largest[1]) + 1e-4);
             for _ in 0..1000 {
@@ -158,6 +220,8 @@ mod tests {
                 let d = Vec3::from(local.map(|x| x.to_array()[0]));
                 let is_between = (d.dot(sides[0]) > 0.0) != (d.dot(sides[1]) > 0.0);
                 assert!(!is_between || 1.0 - u <= rim[0]);
+                let counts = bends.count(from_lanes(&[d; LANES]));
+                assert_eq!(counts & 0b11 == 0b11, is_between);
             }
         }
     }

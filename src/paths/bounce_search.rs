@@ -4,13 +4,13 @@ use super::beside::Beside;
 use super::bounce_cells::{FAMILIES, Finder, Seen};
 use super::bounce_lines::{LaneSurface, Line};
 use super::line_runs::{Border, LineRuns, RayLine};
-use super::occluders::{MOST_PROBE, PROBE, SurfacePoint, clear_angle};
+use super::occluders::{NEAREST, PROBE, SurfacePoint, probe_angle};
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave};
 use super::tracer::Counts;
 use crate::lanes::{LANES, Lane, V3};
 use crate::warp::boundary::Boundary;
-use crate::warp::crossing::Crossing;
+use crate::warp::crossing::{Crossing, Kind};
 use crate::warp::resolve::{between, between_halves};
 use crate::warp::walk::Arc;
 use glam::{DVec3, Vec3};
@@ -21,7 +21,6 @@ struct Found {
     arc: Arc,
     /// Where on the line.
     psi: f64,
-    is_silhouette: bool,
     /// How far beside it is looked, on the arc.
     beside: f64,
     /// What the ends of the arc see.
@@ -250,7 +249,7 @@ impl Finder<'_> {
                 b: arc.direction(to),
                 ..*arc
             };
-            let gap = 2.0 * PROBE;
+            let gap = (2.0 * NEAREST / arc.a.angle_between(arc.b)).min(2.0 * PROBE);
             let crossings = between(tracer.geometry, adjacency, &arc, triangles, choice, gap)?;
             Ok((arc, triangles, crossings))
         };
@@ -265,23 +264,14 @@ impl Finder<'_> {
                 seen,
             }));
         let mut found = Vec::new();
-        for (arc, triangles, [silhouette, ridge]) in parts {
-            for (crossing, is_silhouette) in [(silhouette, true), (ridge, false)] {
-                let Some(crossing) = crossing else {
-                    continue;
-                };
-                let clear = if is_silhouette {
-                    clear_angle(tracer.geometry, &crossing.boundary, arc.origin)
-                        / arc.a.angle_between(arc.b)
-                } else {
-                    0.0
-                };
+        for (arc, triangles, crossings) in parts {
+            for crossing in crossings.into_iter().flatten() {
+                let [angle, most] = probe_angle(tracer.geometry, &crossing, arc.origin);
                 found.push(Found {
                     crossing,
                     arc,
-                    beside: clear.clamp(PROBE, MOST_PROBE),
+                    beside: (angle / arc.a.angle_between(arc.b)).min(most),
                     psi: line.psi_of(arc.direction(crossing.s)),
-                    is_silhouette,
                     triangles,
                     cell,
                 });
@@ -321,7 +311,11 @@ impl Finder<'_> {
                         .normalize()
                         .as_vec3();
                 }
-                sides.add(i, moves[number * LANES / 2 + i], found.crossing.is_bend);
+                sides.add(
+                    i,
+                    moves[number * LANES / 2 + i],
+                    found.crossing.kind == Kind::Bend,
+                );
             }
             let index = std::array::from_fn(|l| index + (number * LANES / 2 + l / 2) as u32);
             let (radiance, seen) =
@@ -330,20 +324,19 @@ impl Finder<'_> {
                 let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
                 let seen = [seen[2 * i], seen[2 * i + 1]];
                 let jump = (before - after) * found.crossing.count;
-                // Silhouettes may lie behind what is seen.
-                let is_hidden = found.is_silhouette && seen[0] == seen[1];
+                let is_hidden = found.crossing.is_hidden(seen);
                 if !jump.is_finite() {
                     self.counts.not_finite += 1;
                 } else if jump != DVec3::ZERO && !is_hidden {
                     on_line.met.push(Met {
                         boundary: found.crossing.boundary,
                         psi: found.psi,
-                        is_silhouette: found.is_silhouette,
+                        is_silhouette: found.crossing.is_silhouette(),
                         cell: found.cell,
                         jump,
                     });
                 }
-                if found.is_silhouette {
+                if found.crossing.is_silhouette() {
                     if seen[0] != seen[1] {
                         let beside =
                             [-found.beside, found.beside].map(|side| found.crossing.s + side);

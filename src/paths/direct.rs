@@ -18,7 +18,7 @@ use crate::kernels::normal::face_normal;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::camera::splat;
-use crate::scene::{DeltaLightKind, Layout, Rgb};
+use crate::scene::{DeltaLight, DeltaLightKind, Layout, Rgb};
 use crate::trace::Coherence;
 use crate::trace::geometry::gather;
 use glam::Vec3;
@@ -223,10 +223,7 @@ impl Tracer<'_> {
         let lit = vertices.hit & vertices.kinds.lit_by_samples() & !self.reflects_nothing(vertices);
         let first = store.delta_visible.len() as u32;
         for light in &self.scene.delta_lights {
-            let (w, far) = match light.kind {
-                DeltaLightKind::Point { position } => (splat(position) - surface.x, SHADOW_FAR),
-                DeltaLightKind::Directional { direction } => (splat(-direction), f32::INFINITY),
-            };
+            let (w, far) = toward(light, surface.x);
             let above = surface.n.dot(w).gt(Lane::splat(0.0)).to_bits();
             let origin = leave(surface.x, surface.geometric, w);
             let seen = self.unblocked(origin, w, far, lit & above, counts);
@@ -327,5 +324,13 @@ impl Tracer<'_> {
         let light = &vertices.light;
         let value = self.light_radiance(light) * (light.irradiance * light.weight);
         V3::select(lit, value.times(light.value), V3::splat(0.0))
+    }
+}
+
+/// The way from `x` to a light without an extent, and how much of it shadow rays go.
+pub fn toward(light: &DeltaLight, x: V3<Lane>) -> (V3<Lane>, f32) {
+    match light.kind {
+        DeltaLightKind::Point { position } => (splat(position) - x, SHADOW_FAR),
+        DeltaLightKind::Directional { direction } => (splat(-direction), f32::INFINITY),
     }
 }

@@ -2,17 +2,17 @@
 
 use super::lattice::Tile;
 use super::line_runs::Border;
-use super::occluders::{MOST_PROBE, clear_angle};
+use super::occluders::{MOST_PROBE, probe_angle};
 use super::tracer::{Counts, Tracer};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::dvec3;
-use crate::warp::crossing::Crossing;
+use crate::warp::crossing::{Crossing, Kind};
 use crate::warp::resolve::{Unresolved, between, between_halves};
 use crate::warp::walk::Arc;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// How far beside a silhouette the probes look at least, in pixels.
+/// How far beside a silhouette the probes look at most, in pixels.
 const PROBE_PIXELS: f64 = 1e-3;
 
 /// Where something else begins to be seen on lines of the lattice; coordinates are steps from the line's first point.
@@ -31,8 +31,6 @@ pub(super) struct Candidate<'a> {
     pub at: [f64; 2],
     /// Where it was found.
     pub cell: Cell<'a>,
-    /// Not an edge within what is seen.
-    pub is_silhouette: bool,
 }
 
 /// The interval between two neighbours, or a part of it.
@@ -76,18 +74,16 @@ impl<'a> Cell<'a> {
             choice,
             2.0 * beside(self.tile, self.line.axis) / self.length,
         )?;
-        let [silhouette, ridge] = found;
-        let candidate = |crossing: Option<Crossing>, is_silhouette: bool| {
+        let candidate = |crossing: Option<Crossing>| {
             let mut crossing = crossing?;
             crossing.count *= self.weight as f64;
             Some(Candidate {
                 crossing,
                 at: self.at(crossing.s).0,
                 cell: *self,
-                is_silhouette,
             })
         };
-        Ok([candidate(silhouette, true), candidate(ridge, false)])
+        Ok(found.map(candidate))
     }
 
     /// The same where something else may stand in front of both triangles.
@@ -133,21 +129,18 @@ impl<'a> Candidate<'a> {
     fn distance(&self) -> f64 {
         let Cell { tracer, tile, .. } = self.cell;
         let axis = self.cell.line.axis;
-        let own = beside(tile, axis);
-        if !self.is_silhouette {
-            return own;
-        }
         let camera = &tracer.camera;
-        let clear = clear_angle(
-            tracer.geometry,
-            &self.crossing.boundary,
-            camera.origin.as_dvec3(),
-        );
+        let origin = camera.origin.as_dvec3();
+        let [angle, _] = probe_angle(tracer.geometry, &self.crossing, origin);
         let direction = dvec3(camera.direction(self.at[0], self.at[1]));
         let turn = direction.cross(camera.direction_per_pixel()[axis]);
         let angle_per_pixel = turn.length() / direction.length_squared();
-        let most = MOST_PROBE * tile.step[axis];
-        own.max((clear / angle_per_pixel).min(most))
+        let most = if self.crossing.kind == Kind::ThinSilhouette {
+            MOST_PROBE * tile.step[axis]
+        } else {
+            beside(tile, axis)
+        };
+        (angle / angle_per_pixel).min(most)
     }
 
     /// The film positions on either side, where probes look.
@@ -211,7 +204,7 @@ pub(super) fn steps(tile: &Tile, line: LatticeLine, at: [f64; 2]) -> f64 {
     (at[line.axis] - tile.first[line.axis]) / tile.step[line.axis]
 }
 
-/// How far beside a silhouette the probes of a cell look, in pixels.
+/// The same for the probes of a cell.
 fn beside(tile: &Tile, axis: usize) -> f64 {
     PROBE_PIXELS.min(MOST_PROBE * tile.step[axis])
 }

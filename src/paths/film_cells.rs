@@ -23,6 +23,7 @@ use crate::paths::camera::splat;
 use crate::scene::Rgb;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::{dvec3, velocity_per_side};
+use crate::warp::crossing::Kind;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 
@@ -238,7 +239,7 @@ fn probe<'a>(
             let moves = tracer
                 .moving
                 .boundary(tracer.geometry, &candidate.crossing.boundary);
-            sides.add(i, moves, candidate.crossing.is_bend);
+            sides.add(i, moves, candidate.crossing.kind == Kind::Bend);
         }
         let rays = RayPacket {
             active: sides.active,
@@ -259,13 +260,12 @@ fn probe<'a>(
             let [u, v] = candidate.at;
             let line = candidate.cell.line;
             let seen = [seen[2 * i], seen[2 * i + 1]];
-            // Silhouettes may lie behind what is seen.
-            let is_hidden = candidate.is_silhouette && seen[0] == seen[1];
+            let is_hidden = candidate.crossing.is_hidden(seen);
             if is_finite && jump != [0.0; 3] && !is_hidden && tile.contains(u, v) {
                 met.push(Met {
                     line,
                     steps: steps(tile, line, candidate.at),
-                    is_silhouette: candidate.is_silhouette,
+                    is_silhouette: candidate.crossing.is_silhouette(),
                     crossing: FilmCrossing {
                         boundary: candidate.crossing.boundary,
                         axis: line.axis as u8,
@@ -274,7 +274,7 @@ fn probe<'a>(
                     },
                 });
             }
-            if candidate.is_silhouette {
+            if candidate.crossing.is_silhouette() {
                 candidate.add_border(seen, borders);
                 rest.extend(candidate.rest(seen, borders, counts));
             }

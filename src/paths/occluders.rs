@@ -7,39 +7,39 @@ use crate::lanes::LANES;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::Boundary;
-use crate::warp::crossing::Reservoir;
+use crate::warp::crossing::{Crossing, Kind, Reservoir};
 use crate::warp::walk::{Arc, Walk, walk};
 use glam::{DVec3, Vec3};
 
-/// How far beyond a silhouette the probe looks, as a fraction of the cell.
+/// How far beyond a silhouette probes look at most, as a fraction of the cell.
 pub const PROBE: f64 = 1e-3;
+/// The nearest that they may look, in coordinates: some 30 units in the last place.
+pub const NEAREST: f64 = 2e-6;
 /// Occluders behind one another that are followed before a cell is given up.
 const MAX_OCCLUDERS: usize = 64;
 
-/// From the silhouettes of smooth meshes at least this many times as far as rays start from surfaces, but no farther than this
-/// fraction. Shading normals send rays into a body, and where that is a thin wedge what starts near its edge starts on its other
+/// From acute edges of bodies with shading normals they keep this many times the distance from surfaces at which rays start, but not more than
+/// this fraction. Shading normals send rays into a body, and where that is a thin wedge what starts near its edge starts on its other
 /// side and gets out.
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// The angle that probes keep from a silhouette as seen from `origin`, if they can.
-pub fn clear_angle(geometry: &Geometry, silhouette: &Boundary, origin: DVec3) -> f64 {
-    let Boundary::Edge([v, w]) = *silhouette else {
-        return 0.0;
+/// How far beside a crossing probes look: an angle as seen from `origin`, and the fraction of the cell that it must not exceed. What
+/// the radiance changes by over that distance is taken for a part of its jump, so it is as small as it can be.
+pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [f64; 2] {
+    let Boundary::Edge([v, w]) = crossing.boundary else {
+        return [f64::INFINITY, PROBE];
     };
-    let is_smooth = |v: u32| {
-        geometry
-            .normals
-            .get(v as usize)
-            .is_some_and(|n| *n != Vec3::ZERO)
-    };
-    if !is_smooth(v) {
-        return 0.0;
-    }
     let [v, w] = [v, w].map(|v| geometry.positions[v as usize].as_dvec3());
     let point = v.midpoint(w);
-    let step = CLEAR * f64::from(OFFSET) * (point.abs().max_element() + 1.0);
-    (step / point.distance(origin)).min(1.0)
+    let distance = point.distance(origin);
+    let room = point.abs().max_element() + 1.0;
+    let [step, most] = if crossing.kind == Kind::ThinSilhouette {
+        [CLEAR * f64::from(OFFSET) * room, MOST_PROBE]
+    } else {
+        [NEAREST * (room + distance), PROBE]
+    };
+    [step / distance, most]
 }
 
 /// A point of a surface from which rays leave.

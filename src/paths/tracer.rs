@@ -2,7 +2,7 @@
 //!
 //! What is drawn and how it is weighed is in `paths::direct` and `paths::bounce`.
 
-use super::beside;
+use super::beside::Bends;
 use super::bounce_cells::{self, Seen};
 use super::camera::{Camera, splat};
 use super::lights::Lights;
@@ -114,7 +114,8 @@ impl Tracer<'_> {
         store.depths.push(store.vertices.len() as u32);
     }
 
-    /// Appends vertices from number `first_depth` on. `bends`: see [`beside::rim`]; none if the paths are to be differentiated.
+    /// Appends vertices from number `first_depth` on. `bends`: lanes beside edges at which only the plane bends ([`Bends`]); none if the
+    /// paths are to be differentiated.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn trace_vertices(
         &self,
@@ -220,11 +221,19 @@ impl Tracer<'_> {
                 if !self.scene.delta_lights.is_empty() {
                     self.see_delta_lights(&mut vertices, &surface, counts, store);
                 }
+                let bends =
+                    (bends != 0 && depth == first_depth).then(|| Bends::new(bends, &surface));
+                rim = Lane::splat(1.0);
+                if let Some(bends) = &bends {
+                    self.keep_between(bends, &mut vertices, &surface, store);
+                    rim = bends.rim(&vertices, &surface);
+                }
                 if bounces {
-                    let bends = if depth == first_depth { bends } else { 0 };
-                    rim = beside::rim(bends, &vertices, &surface);
-                    let (next, alive) =
+                    let (next, mut alive) =
                         self.bounce(&mut vertices, &surface, rim, stream, index, depth);
+                    if let Some(bends) = &bends {
+                        alive &= bends.count(next.direction);
+                    }
                     rays = RayPacket {
                         active: alive,
                         ..next

@@ -2,28 +2,55 @@
 
 use super::boundary::Boundary;
 
+/// What happens at a boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A surface ends, or passes through another.
+    Silhouette,
+    /// Likewise, at an acute edge of a body with shading normals.
+    ThinSilhouette,
+    /// An edge within what is seen, at which its shading changes.
+    Ridge,
+    /// Shading goes on, but the plane of the triangles does not: below that rays start on the other side of the surface, so
+    /// that the part of a lobe that lies between the two planes sees something else.
+    Bend,
+}
+
 /// A boundary between two rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing {
     pub boundary: Boundary,
+    pub kind: Kind,
     /// Parameter of the arc.
     pub s: f64,
     /// How many of its kind it stands for.
     pub count: f64,
-    /// Shading goes on there, but the plane of the triangles does not: below that rays start on the other side of the surface, so
-    /// that the part of a lobe that lies between the two planes sees something else.
-    pub is_bend: bool,
 }
 
 impl Crossing {
-    /// Stands for itself, and shading does not go on.
-    pub fn at(boundary: Boundary, s: f64) -> Self {
+    /// Stands for itself.
+    pub fn new(boundary: Boundary, kind: Kind, s: f64) -> Self {
         Self {
             boundary,
+            kind,
             s,
             count: 1.0,
-            is_bend: false,
         }
+    }
+
+    /// An edge within what is seen.
+    pub fn ridge(boundary: Boundary, s: f64) -> Self {
+        Self::new(boundary, Kind::Ridge, s)
+    }
+
+    /// Whether it lies behind what is seen, if these triangles are seen on its two sides: all but painted lines separate two.
+    pub fn is_hidden(&self, seen: [u32; 2]) -> bool {
+        seen[0] == seen[1] && !matches!(self.boundary, Boundary::Ink { .. })
+    }
+
+    /// Whether something ends there.
+    pub fn is_silhouette(&self) -> bool {
+        matches!(self.kind, Kind::Silhouette | Kind::ThinSilhouette)
     }
 }
 
@@ -93,7 +120,7 @@ impl Reservoir {
         if self.happens(chance) {
             self.meet(Crossing {
                 count: 1.0 / chance,
-                is_bend: true,
+                kind: Kind::Bend,
                 ..crossing
             });
         }
@@ -141,7 +168,7 @@ mod tests {
             let mut crossings = Reservoir::new((choice as f64 + 0.5) / CHOICES as f64, 0.1);
             for (i, chance) in chances.into_iter().enumerate() {
                 let edge = Boundary::Edge([i as u32; 2]);
-                crossings.meet_bend(Crossing::at(edge, i as f64), chance);
+                crossings.meet_bend(Crossing::ridge(edge, i as f64), chance);
             }
             crossings.settle(f64::INFINITY);
             if let Some(Crossing {
@@ -162,7 +189,7 @@ mod tests {
     fn of_two_that_are_near_the_second_is_met() {
         let mut crossings = Reservoir::new(0.5, 0.1);
         for (i, s) in [0.2, 0.5, 0.55].into_iter().enumerate() {
-            crossings.meet(Crossing::at(Boundary::Edge([i as u32; 2]), s));
+            crossings.meet(Crossing::ridge(Boundary::Edge([i as u32; 2]), s));
         }
         crossings.settle(f64::INFINITY);
         assert_eq!(crossings.met, 2);

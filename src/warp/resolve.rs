@@ -7,7 +7,7 @@
 
 use super::adjacency::Adjacency;
 use super::boundary::Boundary;
-use super::crossing::{Crossing, Reservoir};
+use super::crossing::{Crossing, Kind, Reservoir};
 use super::ink;
 use super::walk::{Arc, Fold, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
@@ -122,7 +122,12 @@ pub fn between(
         );
     }
     let s = silhouette.s.clamp(0.0, 1.0);
-    let silhouette = Crossing::at(Boundary::Edge(silhouette.edge), s);
+    let kind = if silhouette.is_thin {
+        Kind::ThinSilhouette
+    } else {
+        Kind::Silhouette
+    };
+    let silhouette = Crossing::new(Boundary::Edge(silhouette.edge), kind, s);
     Ok([Some(silhouette), ridges.chosen()])
 }
 
@@ -141,7 +146,7 @@ fn painted(
     let points = corners.map(|v| geometry.positions[v as usize].as_dvec3() - arc.origin);
     let mut lines = Reservoir::new(choice, gap);
     for (line, s) in ink::lines(geometry, triangle, points, arc, [0.0, 1.0]) {
-        lines.meet(Crossing::at(line, s));
+        lines.meet(Crossing::ridge(line, s));
     }
     lines.settle(f64::INFINITY);
     lines.chosen()
@@ -154,7 +159,7 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
     let s = at_a / (at_a - at_b);
     if (0.0..=1.0).contains(&s) {
-        Ok(Crossing::at(boundary, s))
+        Ok(Crossing::new(boundary, Kind::Silhouette, s))
     } else {
         Err(Unresolved)
     }

@@ -31,6 +31,8 @@ pub struct Fold {
     pub along: f64,
     /// The point on the edge.
     pub point: DVec3,
+    /// Whether it is an acute edge of a body with shading normals.
+    pub is_thin: bool,
 }
 
 impl Fold {
@@ -127,7 +129,7 @@ pub fn walk(
         if is_painted && ridges.is_open() {
             let part = [entered_at, s.min(limit)];
             for (line, s) in ink::lines(geometry, triangle, points, arc, part) {
-                ridges.meet(Crossing::at(line, s));
+                ridges.meet(Crossing::ridge(line, s));
             }
         }
         if s >= limit {
@@ -140,6 +142,7 @@ pub fn walk(
             s,
             along,
             point: point + arc.origin,
+            is_thin: false,
         };
         let Some(across) = adjacency.across(triangle, corner) else {
             ridges.settle(s);
@@ -160,10 +163,15 @@ pub fn walk(
         facing ^= across.flipped;
         if faces(points_across) != facing {
             ridges.settle(s);
-            return Walk::Fold(fold);
+            let [here, there] = [points, points_across].map(|[p, q, r]| (q - p).cross(r - p));
+            let is_acute = (here.dot(there) < 0.0) != across.flipped;
+            return Walk::Fold(Fold {
+                is_thin: is_smooth && is_acute,
+                ..fold
+            });
         }
         if ridges.is_open() {
-            let ridge = Crossing::at(Boundary::Edge(fold.edge), s);
+            let ridge = Crossing::ridge(Boundary::Edge(fold.edge), s);
             let bend = bend(points, points_across);
             if (bend > FLAT && !is_smooth)
                 || (is_smooth && is_torn(geometry, triangle, corner, &across))
@@ -177,7 +185,7 @@ pub fn walk(
         if across.triangle == goal {
             if is_painted && ridges.is_open() {
                 for (line, s) in ink::lines(geometry, goal, points_across, arc, [s, 1.0]) {
-                    ridges.meet(Crossing::at(line, s));
+                    ridges.meet(Crossing::ridge(line, s));
                 }
             }
             ridges.settle(f64::INFINITY);
