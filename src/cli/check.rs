@@ -1,7 +1,7 @@
 //! `warpath check`: forward, backward and finite differences against each other.
 
 use super::arguments::CheckArguments;
-use super::comparison::{Comparison, z_scores};
+use super::comparison::{Comparison, Excess, z_scores};
 use super::exit::Failure;
 use super::replicates::Replicates;
 use super::session::{self, Session};
@@ -268,15 +268,26 @@ fn print(t: &Transposition, c: &Comparison, verdict: &Verdict) -> Result<(), Fai
         "forward against backward: {:.7e}, {:.7e}: {:.1e} apart",
         t.forward, t.backward, t.relative_difference
     )?;
+    // Without a signal nothing is relative to it.
+    let bias = match c.reference_is_significant {
+        true => format!(
+            "{:+.2} % ± {:.2} %",
+            100.0 * c.relative_bias,
+            100.0 * c.relative_bias_se
+        ),
+        false => "unknown".into(),
+    };
+    let unexplained = |excess: &Excess| match excess.relative_rms.is_finite() {
+        true => format!("{:.2} %", 100.0 * excess.relative_rms),
+        false => "unknown".into(),
+    };
     writeln!(
         out,
-        "forward against fd:       bias {:+.2} % ± {:.2} %; unexplained over blocks {:.2} % ({:.1} se), in pixels \
-         {:.2} % ({:.1} se); chi²/N {:.2}, beyond 4 se {:.2} %; runs {} and {}",
-        100.0 * c.relative_bias,
-        100.0 * c.relative_bias_se,
-        100.0 * c.blocks.relative_rms,
+        "forward against fd:       bias {bias}; unexplained over blocks {} ({:.1} se), in pixels {} ({:.1} se); \
+         chi²/N {:.2}, beyond 4 se {:.2} %; runs {} and {}",
+        unexplained(&c.blocks),
         c.blocks.significance,
-        100.0 * c.pixels.relative_rms,
+        unexplained(&c.pixels),
         c.pixels.significance,
         c.chi2_per_number,
         100.0 * c.share_beyond_4,

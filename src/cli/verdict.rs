@@ -96,12 +96,11 @@ pub fn judge(
         };
         format!(
             "{method} {verb} finite differences: along their image it is {:+.2} % ± {:.2} % off ({:.0} % and {SIGNIFICANT} \
-             standard errors may be), and over blocks of pixels {:.2} % of their RMS is left, which is {:.1} standard \
-             errors of noise.",
+             standard errors may be), and over blocks of pixels {} is left, which is {:.1} standard errors of noise.",
             100.0 * c.relative_bias,
             100.0 * c.relative_bias_se,
             100.0 * tolerance,
-            100.0 * c.blocks.relative_rms,
+            share(c.blocks.relative_rms, 2),
             c.blocks.significance,
         )
     };
@@ -166,7 +165,7 @@ fn complaints(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -
         complaints.push(format!(
             "{method} and finite differences disagree over blocks of pixels: {} is unexplained by noise \
              ({:.0} standard errors)",
-            share(c.blocks.relative_rms),
+            share(c.blocks.relative_rms, 1),
             c.blocks.significance
         ));
     } else if c.pixels.significance > SIGNIFICANT
@@ -175,7 +174,7 @@ fn complaints(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -
         complaints.push(format!(
             "{method} and finite differences disagree in pixels: {} is unexplained by noise ({:.0} standard \
              errors), the largest z is {:.1} at x {}, y {}",
-            share(c.pixels.relative_rms),
+            share(c.pixels.relative_rms, 1),
             c.pixels.significance,
             c.largest_z,
             c.largest_z_at[0],
@@ -185,9 +184,9 @@ fn complaints(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -
     complaints
 }
 
-fn share(relative_rms: f64) -> String {
+fn share(relative_rms: f64, digits: usize) -> String {
     match relative_rms.is_finite() {
-        true => format!("{:.1} % of their RMS", 100.0 * relative_rms),
-        false => "what".into(),
+        true => format!("{:.digits$} % of their RMS", 100.0 * relative_rms),
+        false => "an unknown part".into(),
     }
 }
