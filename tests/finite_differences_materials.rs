@@ -147,8 +147,9 @@ fn lamp_seen_in_a_wide_reflection() {
 #[test]
 fn metal_that_moves() {
     let scene = close_up().sky(SKY).depth(3).metal("block", 0.1, Beckmann);
-    moved_far(&scene, 128, &[("block.rotation", &[0.5, 0.3, 1.0])]);
-    moved_far(&scene, 128, &[MOVED]);
+    for part in [("block.rotation", [0.5, 0.3, 1.0].as_slice()), MOVED] {
+        check(&scene, &[part], 768, Some(0.015), Fails);
+    }
 }
 
 #[test]
@@ -160,7 +161,7 @@ fn plastic_floor() {
 #[test]
 fn glass_that_moves() {
     let scene = close_up().sky(SKY).depth(5).glass("block", 0.1);
-    moved_far(&scene, 128, &[MOVED]);
+    check(&scene, &[MOVED], 256, Some(0.015), Fails);
     moved_far(&scene, 128, &[("block.rotation", &[0.5, 0.3, 1.0])]);
 }
 
