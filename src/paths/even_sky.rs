@@ -103,12 +103,7 @@ impl Finder<'_> {
         );
         let ends: Vec<ShadowEnd> = edges
             .iter()
-            .map(|edge| ShadowEnd {
-                at: line.psi_of(edge.direction),
-                hidden: line.psi[edge.hidden],
-                free: line.psi[edge.free],
-                is_found: edge.boundary.is_some(),
-            })
+            .map(|edge| ShadowEnd::of_edge(edge, &line.psi, line.psi_of(edge.direction)))
             .collect();
         let shadows = Shadows {
             tracer: self.tracer,

@@ -7,7 +7,7 @@
 //! being the chance that is known. So 1/P′ + N − M is 1/P on average, and with the same draws for both it is 1/P′ and
 //! has no noise at all unless something else is there.
 
-use super::occluders::{PROBE, SurfacePoint, follow_occluders};
+use super::occluders::{PROBE, ShadowEdge, SurfacePoint, follow_occluders};
 use super::random::Stream;
 use super::runs::Runs;
 use super::tracer::{Counts, Tracer};
@@ -44,6 +44,16 @@ pub(super) struct ShadowEnd {
 }
 
 impl ShadowEnd {
+    /// Of an edge that was found between the directions at these points of a line, at this coordinate.
+    pub fn of_edge(edge: &ShadowEdge, points: &[f64], at: f64) -> Self {
+        Self {
+            at,
+            hidden: points[edge.hidden],
+            free: points[edge.free],
+            is_found: edge.boundary.is_some(),
+        }
+    }
+
     /// The neighbours of the end among points, that which would be hidden first.
     fn neighbours(&self, points: &[f64]) -> Option<[f64; 2]> {
         let after = points.partition_point(|&p| p < self.at);

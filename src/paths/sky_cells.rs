@@ -219,12 +219,7 @@ impl Finder<'_> {
         );
         let ends: Vec<ShadowEnd> = edges
             .iter()
-            .map(|edge| ShadowEnd {
-                at: psi_of(line, edge.direction),
-                hidden: psi[edge.hidden],
-                free: psi[edge.free],
-                is_found: edge.boundary.is_some(),
-            })
+            .map(|edge| ShadowEnd::of_edge(edge, psi, psi_of(line, edge.direction)))
             .collect();
         let shadows = Shadows {
             tracer: self.tracer,
