@@ -4,6 +4,7 @@ use super::arguments::ParamsArguments;
 use super::exit::Failure;
 use super::log::Log;
 use super::session;
+use super::signals::Signals;
 use crate::output::npy;
 use crate::scene::parameters::{self, Parameter, Value};
 use serde_json::json;
@@ -16,7 +17,9 @@ const COLUMNS: [&str; 5] = ["KEY", "SHAPE", "FLAGS", "VALUE", "ALSO"];
 
 /// Prints the list on stdout.
 pub fn run(arguments: &ParamsArguments) -> Result<(), Failure> {
-    let scene = session::load(&arguments.scene, Log::new(&arguments.talk))?;
+    let log = Log::new(&arguments.talk);
+    Signals::watch(log);
+    let scene = session::load(&arguments.scene, log)?;
     let list = parameters::list(&scene);
     let text = if arguments.talk.json {
         let list: Vec<_> = list.iter().map(object).collect();
@@ -49,17 +52,20 @@ fn table(list: &[Parameter]) -> String {
     let rows: Vec<[String; 5]> = std::iter::once(COLUMNS.map(String::from))
         .chain(list.iter().map(row))
         .collect();
-    let widths: [usize; 5] = std::array::from_fn(|column| {
+    // The last column is not padded: the other names of one colour can be very many.
+    let widths: [usize; 4] = std::array::from_fn(|column| {
         let cells = rows.iter().map(|row| row[column].chars().count());
         cells.max().unwrap_or_default()
     });
     let mut text = String::new();
-    for row in &rows {
-        let cells = row.iter().zip(widths);
-        let line: Vec<String> = cells
-            .map(|(cell, width)| format!("{cell:width$}"))
-            .collect();
-        text += line.join("  ").trim_end();
+    for [first @ .., last] in &rows {
+        let mut line = String::new();
+        for (cell, width) in first.iter().zip(widths) {
+            let padding = " ".repeat(width - cell.chars().count());
+            line += &format!("{cell}{padding}  ");
+        }
+        line += last;
+        text += line.trim_end();
         text += "\n";
     }
     text + "\n∂ can be differentiated, v moves what hides what; ALSO: other names of the same parameter\n"

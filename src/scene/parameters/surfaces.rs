@@ -4,6 +4,7 @@ use super::entries::{Entry, range};
 use super::{Target, Value};
 use crate::scene::data::{DeltaLightKind, Layout, Scene, Texture};
 use glam::Affine2;
+use std::collections::HashSet;
 
 /// One use of a texture.
 struct Use {
@@ -129,8 +130,9 @@ impl<'s> Slots<'s> {
     fn entry(&self, t: usize, suffix: &str, shape: &[usize], target: Target) -> Entry {
         let key = &self.scene.textures[t].key;
         let mut entry = Entry::of(format!("{key}{suffix}"), shape, target);
+        let mut known = HashSet::from([entry.key.clone()]);
         let mut spell = |alias: String| {
-            if alias != entry.key && !entry.aliases.contains(&alias) {
+            if known.insert(alias.clone()) {
                 entry.aliases.push(alias);
             }
         };

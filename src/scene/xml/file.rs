@@ -1,6 +1,7 @@
 //! The text of one scene file, its places, and the attributes of its elements.
 
 use super::plugins;
+use super::positions::Positions;
 use crate::scene::error::{Place, SceneError};
 use crate::scene::nearest::{nearest_hint, shown};
 use roxmltree::Node;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 pub(super) struct File {
     pub name: Arc<str>,
     pub folder: Arc<PathBuf>,
-    pub line_starts: Vec<usize>,
+    positions: Positions,
     pub text: String,
 }
 
@@ -36,23 +37,24 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
 
 impl File {
     pub fn new(path: &Path, text: String) -> Self {
-        let after_newlines = text.match_indices('\n').map(|(at, _)| at + 1);
         Self {
             name: path.display().to_string().into(),
             folder: Arc::new(folder_of(path)),
-            line_starts: std::iter::once(0).chain(after_newlines).collect(),
+            positions: Positions::of(&text),
             text,
         }
     }
 
     pub fn place(&self, node: &Node) -> Place {
-        let at = node.range().start;
-        let line = self.line_starts.partition_point(|&start| start <= at);
-        let start = self.line_starts[line - 1];
+        self.place_of_byte(node.range().start)
+    }
+
+    pub fn place_of_byte(&self, at: usize) -> Place {
+        let (line, column) = self.positions.of_byte(&self.text, at);
         Place {
             file: self.name.clone(),
-            line: line as u32,
-            column: self.text[start..at].chars().count() as u32 + 1,
+            line,
+            column,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The scene file as a tree of plugins with typed properties: everything that is XML and not yet scene.
 
 mod file;
+mod limits;
 mod plugins;
+mod positions;
 mod properties;
 mod property;
 mod reader;

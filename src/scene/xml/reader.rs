@@ -1,6 +1,7 @@
 //! From XML text to the [`Tree`]: substitution, includes, references, with their limits.
 
 use super::file::{File, folder_of, no_elements_inside, unknown_tag, utf8};
+use super::limits::{self, MAX_DEPTH};
 use super::plugins;
 use super::properties::{Child, Object, Property, Tree};
 use super::substitution::Substitutions;
@@ -12,8 +13,6 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Elements inside elements, counted through includes.
-const MAX_DEPTH: usize = 64;
 /// Files inside files, as in Mitsuba.
 const MAX_INCLUDE_DEPTH: usize = 15;
 /// Includes in all: two includes in each of 15 nested files would be 32 thousand.
@@ -84,6 +83,9 @@ impl Reader<'_> {
     ) -> Result<(), SceneError> {
         let bytes = read_file(self.files, path)?;
         let file = File::new(path, utf8(path, bytes)?);
+        if let Some((at, what)) = limits::too_much(&file.text) {
+            return Err(SceneError::at(&file.place_of_byte(at), what));
+        }
         let options = ParsingOptions {
             nodes_limit: MAX_NODES,
             ..Default::default()
@@ -186,8 +188,7 @@ impl Reader<'_> {
         let tag = node.tag_name().name();
         let place = file.place(&node);
         if depth > MAX_DEPTH {
-            let what = format!("elements are nested more than {MAX_DEPTH} deep");
-            return Err(SceneError::at(&place, what));
+            return Err(SceneError::at(&place, limits::nested_too_deep()));
         }
         // <spectrum type="…"> is a plugin, <spectrum value="…"> a property.
         let is_spectrum_property = tag == "spectrum" && !node.has_attribute("type");
