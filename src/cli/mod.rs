@@ -28,6 +28,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use exit::Failure;
 use log::Log;
 use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
@@ -37,7 +38,7 @@ const NOT_BUILT_YET: [&str; 2] = ["optimize", "study"];
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
     let typed: Vec<OsString> = typed.into_iter().collect();
     match Arguments::try_parse_from(&typed) {
-        Ok(arguments) => finish(&arguments, dispatch(&arguments, &typed)),
+        Ok(arguments) => ended(log_of(&arguments), dispatch(&arguments, &typed)),
         Err(error) => not_parsed(&error),
     }
 }
@@ -57,12 +58,12 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
     }
 }
 
-fn finish(arguments: &Arguments, done: Result<(), Failure>) -> ExitCode {
+fn ended(log: Log, done: Result<(), Failure>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !matches!(failure, Failure::BrokenPipe) {
-                log_of(arguments).error(&failure.to_string());
+                log.error(&failure.to_string());
             }
             ExitCode::from(&failure)
         }
@@ -93,11 +94,11 @@ fn not_parsed(error: &clap::Error) -> ExitCode {
         Log::plain().error(&failure.to_string());
         return ExitCode::from(&failure);
     }
-    // A closed stdout is success; a closed stderr leaves nobody to tell.
-    let _ = error.print();
+    let printed = error.print();
     if error.use_stderr() {
-        ExitCode::from(&Failure::Usage(String::new()))
-    } else {
-        ExitCode::SUCCESS
+        // Nobody is left to tell when stderr is gone.
+        return ExitCode::from(&Failure::Usage(String::new()));
     }
+    let done = printed.and_then(|()| std::io::stdout().flush());
+    ended(Log::plain(), done.map_err(Failure::from))
 }

@@ -84,6 +84,39 @@ fn a_closed_stdout_is_success() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_behind_stdout_is_told() {
+    let directory = workplace();
+    for arguments in [
+        "--help",
+        "-h",
+        "--version",
+        "render --help",
+        "man",
+        "completions bash",
+        "params s.xml",
+        "params s.xml --json",
+        "batch --schema",
+        "render s.xml --json -q",
+        "check s.xml --param env.radiance.value=1,1,1 -q",
+    ] {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let out = Command::new(env!("CARGO_BIN_EXE_warpath"))
+            .args(typed(arguments))
+            .current_dir(directory.path())
+            .stdout(full.unwrap())
+            .output()
+            .unwrap();
+        let message = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(4), "{arguments}: {message}");
+        assert!(
+            message.contains("error: stdout: No space left on device"),
+            "{arguments}: {message}"
+        );
+    }
+}
+
+#[test]
 fn piped_messages_have_no_colour_with_or_without_no_color() {
     let directory = workplace();
     for no_color in [None, Some("1")] {
