@@ -35,7 +35,7 @@ pub fn run(arguments: &BatchArguments, typed: &[OsString]) -> Result<(), Failure
         .map_err(|why| Failure::Usage(why.into()))?;
     let log = Log::new(&arguments.talk);
     let options = options(arguments, jobs)?;
-    let progress = BatchProgress::new(log, Signals::watch());
+    let progress = BatchProgress::new(log, Signals::watch(log));
     let summary = match is_stream {
         true => {
             let input = BufReader::new(std::io::stdin());

@@ -27,8 +27,8 @@ enum Source<'a> {
 /// Measures, writing down after each case what is known by then.
 pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure> {
     let started = Instant::now();
-    let signals = Signals::watch();
     let log = Log::new(&arguments.talk);
+    let signals = Signals::watch(log);
     let threads = arguments
         .threads
         .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |cores| cores.get()));

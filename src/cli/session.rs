@@ -46,8 +46,8 @@ impl Session {
             .require()
             .map_err(|why| Failure::Usage(why.into()))?;
         let started = Instant::now();
-        let signals = Signals::watch();
         let log = Log::new(&trace.talk);
+        let signals = Signals::watch(log);
         let scene = load(&trace.scene, log)?;
         let wishes = Wishes {
             sensor: trace.scene.sensor,

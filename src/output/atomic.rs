@@ -1,6 +1,7 @@
 //! Writing a file so that a reader, or a crash, never meets half of it.
 
 use super::FileError;
+use super::unfinished::Unfinished;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -11,19 +12,15 @@ pub fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), FileError> {
-    let temporary = temporary_name(path);
     let done = (|| {
-        let mut writer = BufWriter::new(File::create(&temporary)?);
+        let (unfinished, file) = Unfinished::file(temporary_name(path))?;
+        let mut writer = BufWriter::new(file);
         fill(&mut writer)?;
         writer.flush()?;
         drop(writer);
-        fs::rename(&temporary, path)
+        unfinished.becomes(path)
     })();
-    done.map_err(|error| {
-        // The file may never have been made; the first error is the one that tells.
-        let _ = fs::remove_file(&temporary);
-        FileError::io(path, format_args!("cannot be written: {}", plain(&error)))
-    })
+    done.map_err(|error| FileError::io(path, format_args!("cannot be written: {}", plain(&error))))
 }
 
 /// As [`write()`], and returns once the file would survive a power cut.

@@ -11,6 +11,7 @@ pub mod picture;
 pub mod png;
 pub mod results;
 pub mod tensors;
+pub mod unfinished;
 
 use std::path::PathBuf;
 
