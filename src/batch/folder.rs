@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::journal::RESULTS;
 use super::manifest::{MANIFEST, REPORT};
 use crate::output::results::ResultFile;
+use crate::output::unfinished::Unfinished;
 use crate::output::{FileError, atomic};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -22,18 +23,12 @@ pub fn write(
     id: &str,
     files: &[ResultFile],
 ) -> Result<BTreeMap<String, String>, Failure> {
-    let unfinished = unfinished(directory, id);
     let named: Vec<_> = files
         .iter()
         .map(|file| (PathBuf::from(file.name), file))
         .collect();
     let put = |file: &&ResultFile, path: &Path| Ok(file.write(path)?);
-    let written = fill(directory, id, &unfinished, &named, put);
-    if written.is_err() {
-        // What made the writing fail may make this fail too; the next run takes it away.
-        let _ = fs::remove_dir_all(&unfinished);
-    }
-    written?;
+    fill(directory, id, &named, put)?;
     Ok(files
         .iter()
         .map(|file| (file.key.to_string(), format!("{id}/{}", file.name)))
@@ -47,54 +42,82 @@ pub fn copy(directory: &Path, id: &str, files: &[PathBuf]) -> Result<(), Failure
         fs::copy(from, to).map(drop).map_err(failed(from))
     };
     let files: Vec<_> = files.iter().map(|path| (names(path), path)).collect();
-    fill(directory, id, &unfinished(directory, id), &files, put)
+    fill(directory, id, &files, put)
 }
 
-/// Puts every file into the unfinished folder, then gives that its name.
+/// Puts every file into an unfinished folder, then gives that its name.
 fn fill<T>(
     directory: &Path,
     id: &str,
-    unfinished: &Path,
     files: &[(PathBuf, T)],
     put: impl Fn(&T, &Path) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    remove(unfinished)?;
-    fs::create_dir(unfinished).map_err(failed(unfinished))?;
+    let folder = directory.join(id);
+    refuse_link(&folder)?;
+    // An id never starts with a dot.
+    let path = directory.join(format!(".{id}{UNFINISHED}"));
+    let unfinished = Unfinished::folder(path.clone()).map_err(failed(&path))?;
     for (name, file) in files {
-        let path = unfinished.join(name);
+        let path = unfinished.path().join(name);
         put(file, &path)?;
         let open = File::open(&path);
         open.and_then(|file| file.sync_data())
             .map_err(failed(&path))?;
     }
-    atomic::sync_directory(unfinished)?;
+    atomic::sync_directory(unfinished.path())?;
     // Without a line in the results, files of this name are not a job's.
-    let folder = directory.join(id);
     remove(&folder)?;
-    fs::rename(unfinished, &folder).map_err(failed(&folder))?;
+    unfinished.becomes(&folder).map_err(failed(&folder))?;
     Ok(atomic::sync_directory(directory)?)
+}
+
+/// Refuses a folder in which symbolic links stand where the batch itself writes or takes away: what they lead to is none of
+/// its business.
+pub fn refuse_links(directory: &Path) -> Result<(), Failure> {
+    for own in OWN_FILES {
+        refuse_link(&directory.join(own))?;
+    }
+    for path in unfinished(directory)? {
+        refuse_link(&path)?;
+    }
+    Ok(())
+}
+
+fn refuse_link(path: &Path) -> Result<(), Failure> {
+    match fs::symlink_metadata(path) {
+        Ok(what) if what.is_symlink() => Err(Failure::Input(format!(
+            "{}: a symbolic link, which a batch does not write through: move it away, or choose another -o",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Takes away what a batch that was killed was writing.
 pub fn sweep(directory: &Path) -> Result<(), Failure> {
-    let entries = fs::read_dir(directory).map_err(failed(directory))?;
-    for entry in entries {
-        let entry = entry.map_err(failed(directory))?;
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let begins = |file: &str| name.starts_with(&format!(".{file}."));
-        if name.starts_with('.') && name.ends_with(UNFINISHED) {
-            remove(&entry.path())?;
-        } else if OWN_FILES.into_iter().any(begins) && name.ends_with(".tmp") {
-            fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
+    for path in unfinished(directory)? {
+        match path.is_dir() {
+            true => remove(&path)?,
+            false => fs::remove_file(&path).map_err(failed(&path))?,
         }
     }
     Ok(())
 }
 
-/// An id never starts with a dot.
-fn unfinished(directory: &Path, id: &str) -> PathBuf {
-    directory.join(format!(".{id}{UNFINISHED}"))
+/// Everything under a temporary name.
+fn unfinished(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(directory).map_err(failed(directory))? {
+        let entry = entry.map_err(failed(directory))?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let begins = |file: &str| name.starts_with(&format!(".{file}."));
+        let is_folder = name.starts_with('.') && name.ends_with(UNFINISHED);
+        if is_folder || OWN_FILES.into_iter().any(begins) && name.ends_with(".tmp") {
+            found.push(entry.path());
+        }
+    }
+    Ok(found)
 }
 
 fn remove(folder: &Path) -> Result<(), Failure> {

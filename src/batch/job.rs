@@ -343,7 +343,7 @@ pub fn check_id(id: &str) -> Result<(), Failure> {
 }
 
 /// The error without "at line 1 column 7": the line is told by its own number.
-fn without_line(error: &serde_json::Error) -> String {
+pub fn without_line(error: &serde_json::Error) -> String {
     let text = error.to_string();
     match text.rfind(" at line 1 column ") {
         Some(at) => {

@@ -1,8 +1,10 @@
 //! `results.jsonl`: one line a job, on the disk before anyone is told.
 
 use super::failure::Failure;
+use super::folder;
 use super::result::ResultLine;
 use crate::output::{FileError, atomic};
+use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -32,11 +34,23 @@ pub struct Earlier {
     pub torn: bool,
 }
 
+/// The results of a folder, looked at and locked, and nothing of them changed.
+#[derive(Debug)]
+pub struct Found {
+    directory: PathBuf,
+    path: PathBuf,
+    /// The lines to keep, if they are not all that is there.
+    kept: Option<Vec<u8>>,
+    length: u64,
+    lock: File,
+}
+
 impl Journal {
-    /// Opens the results in `directory`. Without `resume` there must be none yet.
-    pub fn open(directory: &Path, resume: bool) -> Result<(Self, Earlier), Failure> {
+    /// Looks at the results in `directory`. Without `resume` there must be none yet.
+    pub fn look(directory: &Path, resume: bool) -> Result<(Found, Earlier), Failure> {
         atomic::prepare_directory(directory)?;
         let lock = lock(directory)?;
+        folder::refuse_links(directory)?;
         let path = directory.join(RESULTS);
         let text = match fs::read(&path) {
             Ok(bytes) => bytes,
@@ -50,28 +64,44 @@ impl Journal {
             )));
         }
         let earlier = read(&path, &text)?;
-        let kept: usize = earlier.done.iter().map(|(_, text)| text.len() + 1).sum();
-        if kept != text.len() {
-            atomic::write_durably(&path, |file| {
-                for (_, text) in &earlier.done {
-                    writeln!(file, "{text}")?;
-                }
-                Ok(())
-            })?;
-        }
-        let open = OpenOptions::new().create(true).append(true).open(&path);
-        let file = open.map_err(|error| FileError::io(&path, atomic::plain(&error)))?;
-        atomic::sync_directory(directory)?;
-        let length = kept as u64;
-        let journal = Self {
+        let length: usize = earlier.done.iter().map(|(_, text)| text.len() + 1).sum();
+        let kept = (length != text.len()).then(|| {
+            let lines = earlier.done.iter().flat_map(|(_, text)| [text, "\n"]);
+            lines.collect::<String>().into_bytes()
+        });
+        let found = Found {
+            directory: directory.to_path_buf(),
             path,
-            file,
-            length,
-            _lock: lock,
+            kept,
+            length: length as u64,
+            lock,
         };
-        Ok((journal, earlier))
+        Ok((found, earlier))
     }
+}
 
+impl Found {
+    /// Takes out what failed or is torn, and opens the results for more.
+    pub fn begin(self) -> Result<Journal, Failure> {
+        if let Some(kept) = &self.kept {
+            atomic::write_durably(&self.path, |file| file.write_all(kept))?;
+        }
+        let open = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&self.path);
+        let file = open.map_err(|error| FileError::io(&self.path, atomic::plain(&error)))?;
+        atomic::sync_directory(&self.directory)?;
+        Ok(Journal {
+            path: self.path,
+            file,
+            length: self.length,
+            _lock: self.lock,
+        })
+    }
+}
+
+impl Journal {
     /// Adds a line, and returns once it would survive a power cut.
     pub fn append(&mut self, line: &str) -> Result<(), Failure> {
         let text = format!("{line}\n");
@@ -94,35 +124,35 @@ impl Journal {
     }
 }
 
-/// Reads the results of a batch that may have been cut off at any byte.
+/// Reads the results of a batch that may have been cut off at any byte. A line's end is written last: a line without one is
+/// torn; any other that is not a result was not written by a batch.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<Earlier, Failure> {
     let mut earlier = Earlier::default();
-    let mut lines = bytes
-        .split_inclusive(|&byte| byte == b'\n')
-        .enumerate()
-        .peekable();
-    while let Some((number, line)) = lines.next() {
-        let is_last = lines.peek().is_none();
-        let whole = line.strip_suffix(b"\n");
-        let text = whole.and_then(|line| std::str::from_utf8(line).ok());
-        let parsed = text.and_then(|text| Some((serde_json::from_str(text).ok()?, text)));
-        match parsed {
-            Some((result, text)) => {
-                let result: ResultLine = result;
-                match result.is_ok() {
-                    true => earlier.done.push((result, text.to_string())),
-                    false => earlier.failed += 1,
-                }
-            }
-            None if is_last => earlier.torn = true,
-            None => {
-                return Err(Failure::Input(format!(
-                    "{}:{}: not a result line of this version of warpath",
-                    path.display(),
-                    number + 1
-                )));
-            }
+    let mut holders = HashMap::new();
+    for (at, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+        let Some(line) = line.strip_suffix(b"\n") else {
+            earlier.torn = true;
+            break;
+        };
+        let refused = |what: String| {
+            Failure::Input(format!(
+                "{}:{}: not a result line of this version of warpath: {what}. Mend the line, or take it out: its job is then \
+                 run again",
+                path.display(),
+                at + 1
+            ))
+        };
+        let text = std::str::from_utf8(line).map_err(|_| refused("not UTF-8".into()))?;
+        let result = ResultLine::parse(text).map_err(refused)?;
+        if !result.is_ok() {
+            earlier.failed += 1;
+            continue;
         }
+        let id = result.id.clone().unwrap_or_default();
+        if let Some(first) = holders.insert(id, at + 1) {
+            return Err(refused(format!("line {first} has the result of this id")));
+        }
+        earlier.done.push((result, text.to_string()));
     }
     Ok(earlier)
 }
@@ -171,9 +201,40 @@ mod tests {
             assert_eq!(ids, ["a", "c"][..whole.div_ceil(2)], "{cut}");
             assert_eq!(earlier.torn, cut > 0 && !ends.contains(&cut), "{cut}");
         }
-        let broken = format!("{}\nrubbish\n{}\n", line("a", true), line("c", true));
-        let error = read(Path::new("r"), broken.as_bytes()).unwrap_err();
-        assert!(error.to_string().starts_with("r:2:"), "{error}");
+    }
+
+    #[test]
+    fn a_whole_line_that_is_no_result_is_told_with_its_number() {
+        let good = line("b", true);
+        let broken = [
+            ("rubbish".to_string(), "expected value"),
+            (good.replace(r#""id":"b","#, ""), "missing field `id`"),
+            (good.replace(r#""id":"b""#, r#""id":null"#), "without an id"),
+            (good.replace(r#""id":"b""#, r#""id":"../b""#), "../b"),
+            (line("a", true), "line 1 has the result of this id"),
+            (good.replace(r#""ok""#, r#""okay""#), "okay"),
+            (good.replace(r#""code":0"#, r#""code":3"#), "code 3"),
+            (
+                line("b", false).replace(r#""code":3"#, r#""code":0"#),
+                "code 0",
+            ),
+            (String::new(), "EOF"),
+        ];
+        for (second, part) in broken {
+            for rest in [String::new(), line("c", true) + "\n"] {
+                let text = format!("{}\n{second}\n{rest}", line("a", true));
+                let error = read(Path::new("r"), text.as_bytes()).unwrap_err();
+                let (code, error) = (error.code(), error.to_string());
+                assert!(
+                    error.starts_with("r:2: ") && error.contains(part),
+                    "{error}"
+                );
+                assert_eq!(code, 3, "{error}");
+            }
+        }
+        // A job whose id could not be read failed without one.
+        let nameless = line("b", false).replace(r#""b""#, "null") + "\n";
+        assert_eq!(read(Path::new("r"), nameless.as_bytes()).unwrap().failed, 1);
     }
 
     #[test]
@@ -182,14 +243,15 @@ mod tests {
         let path = directory.path().join(RESULTS);
         let text = format!("{}\n{}\n{{\"id\":\"c", line("a", true), line("b", false));
         fs::write(&path, text).unwrap();
-        assert!(Journal::open(directory.path(), false).is_err());
-        let (mut journal, earlier) = Journal::open(directory.path(), true).unwrap();
+        assert!(Journal::look(directory.path(), false).is_err());
+        let (found, earlier) = Journal::look(directory.path(), true).unwrap();
         assert_eq!(
             (earlier.done.len(), earlier.failed, earlier.torn),
             (1, 1, true)
         );
-        let second = Journal::open(directory.path(), true).unwrap_err();
+        let second = Journal::look(directory.path(), true).unwrap_err();
         assert!(second.to_string().contains("another batch"), "{second}");
+        let mut journal = found.begin().unwrap();
         journal.append(&line("d", true)).unwrap();
         let now = fs::read_to_string(&path).unwrap();
         assert_eq!(now, format!("{}\n{}\n", line("a", true), line("d", true)));

@@ -42,7 +42,8 @@ pub fn merge(directories: &[PathBuf], output: &Path) -> Result<Merged, Failure> 
         true => by_job(&parts)?,
         false => of_each_once(&parts)?,
     };
-    let (mut journal, _) = Journal::open(output, false)?;
+    let (found, _) = Journal::look(output, false)?;
+    let mut journal = found.begin()?;
     let count = jobs.len();
     for shares in jobs.into_values() {
         let result = match by_samples {

@@ -1,6 +1,7 @@
 //! What is said of a job when it has ended: a line of `results.jsonl`.
 
 use super::failure::Failure;
+use super::job::{check_id, without_line};
 use super::share::Share;
 use crate::methods::Statistics;
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,8 @@ use std::collections::BTreeMap;
 /// One result. Fields without a value are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResultLine {
-    /// None if the line had no id that could be read.
+    /// None if the line had no id that could be read; it is written down all the same.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub id: Option<String>,
     /// The line of the job in its file, or how many came before it on standard input, counted from 1.
     pub line: usize,
@@ -62,6 +64,18 @@ impl ResultLine {
             message: Some(failure.to_string()),
             ..Self::default()
         }
+    }
+
+    /// A line of the file, without its end; else what is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let result: Self = serde_json::from_str(text).map_err(|error| without_line(&error))?;
+        match (result.status.as_str(), result.code, &result.id) {
+            ("ok", 0, Some(id)) => check_id(id).map_err(|failure| failure.to_string())?,
+            ("ok", 0, None) => return Err("a result without an id".into()),
+            ("failed", 1.., _) => {}
+            (status, code, _) => return Err(format!("its status is {status:?} with code {code}")),
+        }
+        Ok(result)
     }
 
     /// Takes over what the engine counted.

@@ -56,12 +56,14 @@ pub trait Watch: Sync {
 
 /// Runs the jobs of a file.
 pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
-    let (journal, earlier) = Journal::open(&options.directory, options.resume)?;
-    folder::sweep(&options.directory)?;
+    let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
     let shard = options.shard.filter(|_| options.split == Split::Jobs);
     let file = JobFile::read(path, shard, earlier)?;
     Manifest::new(options, file.hash).write(&options.directory, options.resume)?;
+    // Nothing was changed before all was known to be in order.
+    folder::sweep(&options.directory)?;
+    let journal = found.begin()?;
     watch.begin(Some(file.lines.len()), file.done);
     let total = file.lines.len();
     let lines = Mutex::new(file.lines);
@@ -77,8 +79,9 @@ pub fn of_stream(
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Summary, Failure> {
-    let (journal, earlier) = Journal::open(&options.directory, options.resume)?;
+    let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     folder::sweep(&options.directory)?;
+    let journal = found.begin()?;
     watch.begin(None, 0);
     let lines = Mutex::new(Stream::new(input, Register::new(earlier)));
     let batch = Batch::new(options, watch, journal, Some(output), None)?;

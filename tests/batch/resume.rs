@@ -61,6 +61,90 @@ fn what_failed_is_tried_again_and_what_changed_is_refused() {
     );
 }
 
+/// What the folder holds, with what symbolic links in it lead to.
+fn snapshot(directory: &std::path::Path) -> Vec<(String, Vec<u8>)> {
+    let mut all = files(directory);
+    for own in ["results.jsonl", "batch.json", "report.json"] {
+        let text = std::fs::read(directory.join(own)).unwrap_or_default();
+        all.insert(own.into(), text);
+    }
+    all.into_iter().collect()
+}
+
+#[test]
+fn a_result_that_was_damaged_is_told_before_anything_changes() {
+    let directory = workplace();
+    let at = directory.path();
+    let mut jobs = of_all_kinds(3);
+    jobs[2]["spp"] = json!(0);
+    write(at, "jobs.jsonl", &jobs);
+    run(at, "batch jobs.jsonl -o out -t 1", 5);
+    let path = at.join("out/results.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let id = text.find("\"id\":\"job-1\",").unwrap();
+    let line = text[..id].lines().count();
+    std::fs::write(&path, text.replace("\"id\":\"job-1\",", "")).unwrap();
+    std::fs::create_dir(at.join("out/.job-9.unfinished")).unwrap();
+    std::fs::write(at.join("out/.job-9.unfinished/half"), "half").unwrap();
+    let before = snapshot(&at.join("out"));
+    let out = run(at, "batch jobs.jsonl -o out --resume", 3);
+    let message = String::from_utf8_lossy(&out.stderr);
+    let place = format!("out/results.jsonl:{line}: ");
+    assert!(message.contains(&place), "{message}");
+    assert!(message.contains("missing field `id`"), "{message}");
+    assert_eq!(before, snapshot(&at.join("out")));
+    // Nor is anything changed when a job is another than before.
+    std::fs::write(&path, &text).unwrap();
+    jobs[0]["seed"] = json!(77);
+    write(at, "jobs.jsonl", &jobs);
+    let before = snapshot(&at.join("out"));
+    run(at, "batch jobs.jsonl -o out --resume", 2);
+    assert_eq!(before, snapshot(&at.join("out")));
+}
+
+#[test]
+#[cfg(unix)]
+fn symbolic_links_lead_no_results_elsewhere() {
+    use std::os::unix::fs::symlink;
+    let directory = workplace();
+    let at = directory.path();
+    let jobs = of_all_kinds(2);
+    write(at, "jobs.jsonl", &jobs);
+    std::fs::create_dir(at.join("elsewhere")).unwrap();
+    std::fs::write(at.join("elsewhere/file"), "").unwrap();
+    let temporary = [".results.jsonl.4711.tmp", ".job-0.unfinished"];
+    for name in ["results.jsonl", "batch.json", "report.json"]
+        .into_iter()
+        .chain(temporary)
+    {
+        for target in ["elsewhere/file", "elsewhere/none", "elsewhere"] {
+            let out = at.join("out");
+            std::fs::create_dir(&out).unwrap();
+            symlink(at.join(target), out.join(name)).unwrap();
+            for resume in ["", "--resume"] {
+                let line = format!("batch jobs.jsonl -o out {resume}");
+                let ended = run(at, &line, 3);
+                let message = String::from_utf8_lossy(&ended.stderr);
+                let says = format!("out/{name}: a symbolic link");
+                assert!(message.contains(&says), "{message}");
+            }
+            let left: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
+            assert_eq!(left.len(), 1, "{name}: {left:?}");
+            std::fs::remove_dir_all(&out).unwrap();
+        }
+    }
+    // A job's folder is in the way of that job alone.
+    std::fs::create_dir(at.join("out")).unwrap();
+    symlink(at.join("elsewhere"), at.join("out/job-0")).unwrap();
+    run(at, "batch jobs.jsonl -o out", 5);
+    let lines = results(&at.join("out"));
+    let linked = lines.iter().find(|line| line["id"] == "job-0").unwrap();
+    assert_eq!(linked["code"], 3, "{linked}");
+    assert!(at.join("out/job-0").is_symlink());
+    assert_eq!(files(&at.join("elsewhere")).len(), 1);
+    assert_eq!(std::fs::read(at.join("elsewhere/file")).unwrap(), b"");
+}
+
 #[test]
 #[cfg(unix)]
 fn an_interrupted_batch_keeps_what_is_finished() {
