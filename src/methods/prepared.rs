@@ -98,7 +98,7 @@ impl Parts {
         .map_err(|error| EngineError::Failed(error.to_string()))?;
         let geometry = Geometry::new(scene);
         Ok(Self {
-            lights: Arc::new(Lights::new(scene, &geometry, false)),
+            lights: lights(scene, &geometry, workers),
             materials: Arc::new(MaterialTable::new(scene)),
             sky: sky(scene),
             adjacency: Arc::default(),
@@ -131,7 +131,7 @@ impl Parts {
         };
         Self {
             lights: match edits.lights(scene) {
-                true => Arc::new(Lights::new(scene, &geometry, false)),
+                true => lights(scene, &geometry, workers),
                 false => self.lights.clone(),
             },
             materials: match edits.materials(scene) {
@@ -152,6 +152,11 @@ impl Parts {
     pub fn accel(&self) -> &Arc<Accel> {
         &self.accel
     }
+}
+
+fn lights(scene: &Scene, geometry: &Geometry, workers: &Workers) -> Arc<Lights> {
+    let new = || Lights::new(scene, geometry, false);
+    Arc::new(workers.pool.install(new))
 }
 
 fn sky(scene: &Scene) -> Option<Arc<Sky>> {

@@ -126,7 +126,8 @@ impl<'a> Stage<'a> {
             .iter()
             .any(|l| request.texels[l.radiance].is_some())
         {
-            self.parts.lights = Arc::new(Lights::new(self.scene, &self.parts.geometry, true));
+            let new = || Lights::new(self.scene, &self.parts.geometry, true);
+            self.parts.lights = Arc::new(self.workers.pool.install(new));
         }
     }
 

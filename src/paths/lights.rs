@@ -8,7 +8,7 @@ use crate::lanes::{LANES, Lane};
 use crate::scene::{Layout, Rgb, Scene};
 use crate::trace::geometry::Geometry;
 use glam::Vec3;
-use std::collections::HashMap;
+use rayon::slice::ParallelSliceMut;
 
 /// A part of an area light.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +24,10 @@ pub struct Patch {
     pub light: u32,
     /// Chance of being picked.
     pub probability: f32,
-    /// The triangles whose corners `lower` and `upper` are, and by how much these are turned.
-    triangles: [(u32, usize); 2],
+    /// The triangles whose corners `lower` and `upper` are.
+    triangles: [u32; 2],
+    /// By how much these are turned.
+    turns: [u8; 2],
 }
 
 /// Of the mean radiance: a light that is asked about is sampled as if it were at least this bright.
@@ -50,12 +52,10 @@ impl Lights {
         let mut patches = Vec::new();
         let mut power = Vec::new();
         for (index, light) in scene.area_lights.iter().enumerate() {
-            let range =
-                geometry.first_triangle[light.mesh]..geometry.first_triangle[light.mesh + 1];
             let texels = &scene.textures[light.radiance].texels;
             let all: f64 = texels.iter().map(|&t| luminance(t)).sum();
             let level = all / texels.len() as f64;
-            for mut patch in pair_triangles(geometry, range) {
+            for mut patch in pair_triangles(geometry, light.mesh) {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
                 let area = patch.edges[0].cross(patch.edges[1]).length() as f64 * halves;
@@ -144,7 +144,8 @@ impl Patch {
     pub fn triangle_at(&self, s: f32, r: f32) -> (u32, [f32; 2]) {
         let is_upper = self.upper.is_some() && s + r > 1.0;
         let (_, [b1, b2]) = self.vertices_at(s, r);
-        let (triangle, turn) = self.triangles[is_upper as usize];
+        let triangle = self.triangles[is_upper as usize];
+        let turn = usize::from(self.turns[is_upper as usize]);
         // Corner k of the patch's order is the triangle's corner k + turn.
         let of_patch = [1.0 - b1 - b2, b1, b2];
         let own = |corner: usize| of_patch[(corner + 3 - turn) % 3];
@@ -171,54 +172,84 @@ pub fn luminance(c: Rgb) -> f64 {
     0.2126 * c[0] as f64 + 0.7152 * c[1] as f64 + 0.0722 * c[2] as f64
 }
 
-/// Joins triangles that share a diagonal into parallelograms, each triangle at most once, in order.
-fn pair_triangles(geometry: &Geometry, range: std::ops::Range<u32>) -> Vec<Patch> {
+/// No half-edge.
+const NONE: u32 = u32::MAX;
+
+/// Joins triangles of a mesh that share a diagonal into parallelograms, each triangle at most once, in order.
+fn pair_triangles(geometry: &Geometry, mesh: usize) -> Vec<Patch> {
     let position = |v: u32| geometry.positions[v as usize];
-    let key = |v: u32| position(v).to_array().map(|x| (x + 0.0).to_bits());
-    let mut open: HashMap<[[u32; 3]; 2], (u32, usize)> = HashMap::new();
-    let mut partner: HashMap<u32, (usize, u32, usize)> = HashMap::new();
-    let mut taken = vec![false; range.len()];
-    for t in range.clone() {
-        let v = geometry.triangles[t as usize];
-        for c in 0..3 {
-            // The diagonal runs from corner c+1 to c+2; the twin runs the other way round.
-            let (from, to) = (v[(c + 1) % 3], v[(c + 2) % 3]);
-            if let Some(&(other, k)) = open.get(&[key(to), key(from)]) {
-                let w = geometry.triangles[other as usize];
-                let far = position(from) + position(to) - position(v[c]);
-                let scale = (position(from) - position(to)).length();
-                let free =
-                    !taken[(t - range.start) as usize] && !taken[(other - range.start) as usize];
-                if free && (position(w[k]) - far).length() <= 1e-5 * scale {
-                    taken[(t - range.start) as usize] = true;
-                    taken[(other - range.start) as usize] = true;
-                    partner.insert(other, (k, t, c));
-                }
-            }
-            open.insert([key(from), key(to)], (t, c));
+    let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
+    let triangles = &geometry.triangles[first as usize..end as usize];
+    // The diagonals of each pair, both as half-edges, the first under its own triangle.
+    let mut partner = vec![None; triangles.len()];
+    let mut taken = vec![false; triangles.len()];
+    for (half_edge, &twin) in twins(geometry, mesh).iter().enumerate() {
+        let (t, c) = (half_edge / 3, half_edge % 3);
+        let (other, k) = (twin as usize / 3, twin as usize % 3);
+        if twin == NONE || taken[t] || taken[other] {
+            continue;
+        }
+        let (v, w) = (triangles[t], triangles[other]);
+        let (from, to) = (v[(c + 1) % 3], v[(c + 2) % 3]);
+        let far = position(from) + position(to) - position(v[c]);
+        let scale = (position(from) - position(to)).length();
+        if (position(w[k]) - far).length() <= 1e-5 * scale {
+            (taken[t], taken[other]) = (true, true);
+            partner[other] = Some((k, t, c));
         }
     }
-    let rotated = |t: u32, c: usize| {
-        let v = geometry.triangles[t as usize];
-        [v[c], v[(c + 1) % 3], v[(c + 2) % 3]]
-    };
+    let rotated = |t: usize, c: usize| [0, 1, 2].map(|i| triangles[t][(c + i) % 3]);
     let mut patches = Vec::new();
-    for t in range.clone() {
-        let (lower, upper, triangles) = match partner.get(&t) {
-            Some(&(k, other, c)) => (rotated(t, k), Some(rotated(other, c)), [(t, k), (other, c)]),
-            None if taken[(t - range.start) as usize] => continue,
-            None => (rotated(t, 0), None, [(t, 0); 2]),
+    for t in 0..triangles.len() {
+        let (k, upper) = match partner[t] {
+            Some((k, other, c)) => (k, Some((other, c))),
+            None if taken[t] => continue,
+            None => (0, None),
         };
+        let lower = rotated(t, k);
         let [q, a, b] = lower.map(position);
+        let (other, c) = upper.unwrap_or((t, k));
         patches.push(Patch {
             lower,
-            upper,
+            upper: upper.map(|(other, c)| rotated(other, c)),
             corner: q,
             edges: [a - q, b - q],
             light: 0,
             probability: 0.0,
-            triangles,
+            triangles: [t, other].map(|t| first + t as u32),
+            turns: [k, c].map(|turn| turn as u8),
         });
     }
     patches
+}
+
+/// For each half-edge of a mesh (3·triangle + the corner it is opposite to) the latest one before it that runs the other way
+/// between the same positions, or [`NONE`].
+fn twins(geometry: &Geometry, mesh: usize) -> Vec<u32> {
+    let welded = geometry.welded(mesh);
+    let v0 = geometry.first_vertex[mesh];
+    let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m] as usize);
+    let triangles = &geometry.triangles[first..end];
+    // Sorted so that the half-edges between two positions stand together, in their order.
+    let mut edges: Vec<(u64, u32, bool)> = Vec::with_capacity(3 * triangles.len());
+    for (t, triangle) in triangles.iter().enumerate() {
+        let v = triangle.map(|v| welded[(v - v0) as usize]);
+        for c in 0..3 {
+            let (from, to) = (v[(c + 1) % 3], v[(c + 2) % 3]);
+            let key = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
+            edges.push((key, (3 * t + c) as u32, from < to));
+        }
+    }
+    edges.par_sort_unstable();
+    let mut twins = vec![NONE; edges.len()];
+    for between in edges.chunk_by(|a, b| a.0 == b.0) {
+        let mut latest = [NONE; 2];
+        for &(key, half_edge, up) in between {
+            // One without a length runs both ways.
+            let is_point = key >> 32 == key & u64::from(u32::MAX);
+            twins[half_edge as usize] = latest[usize::from(up == is_point)];
+            latest[usize::from(up)] = half_edge;
+        }
+    }
+    twins
 }

@@ -36,7 +36,7 @@ pub fn load_from(
             root.error("the scene has no sensor; add <sensor type=\"perspective\">…</sensor>")
         );
     }
-    loader.warn_unread();
+    loader.warn();
     let mut scene = loader.scene;
     scene.materials = loader.materials.list;
     scene.textures = loader.textures.list;
@@ -51,6 +51,7 @@ struct Loader<'a> {
     materials: Materials,
     textures: Textures,
     names: Names,
+    spheres: shape::Spheres,
     has_integrator: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
     met: HashSet<usize>,
@@ -77,6 +78,7 @@ impl<'a> Loader<'a> {
             materials: Materials::default(),
             textures: Textures::default(),
             names: Names::new(tree.objects.iter().filter_map(|o| o.id.as_deref())),
+            spheres: shape::Spheres::default(),
             has_integrator: false,
             met: HashSet::new(),
         }
@@ -163,7 +165,8 @@ impl<'a> Loader<'a> {
             });
         }
         let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
-        let (mut mesh, mut remarks) = shape::mesh(&mut self.input, object, is_textured)?;
+        let (mut mesh, mut remarks) =
+            shape::mesh(&mut self.input, object, is_textured, &mut self.spheres)?;
         mesh.id = id;
         mesh.material = material;
         mesh.area_light = area_light;
@@ -196,8 +199,9 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Warns of what the file says and nobody asked for.
-    fn warn_unread(&mut self) {
+    /// Warns of what is approximated, and of what the file says and nobody asked for.
+    fn warn(&mut self) {
+        self.scene.warnings.extend(self.spheres.remarks());
         for object in &self.tree.objects {
             let warnings = object.unread(properties_of(object));
             self.scene.warnings.extend(warnings);

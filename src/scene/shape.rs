@@ -7,6 +7,7 @@ use super::input::Input;
 use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives};
 use super::xml::{Child, Object, Tree};
 use glam::DAffine3;
+use std::collections::BTreeMap;
 
 /// What hangs on a shape.
 pub(super) struct Parts<'a> {
@@ -33,12 +34,40 @@ pub(super) fn parts<'a>(tree: &Tree, object: &'a Object) -> Result<Parts<'a>, Sc
     Ok(Parts { bsdf, emitter })
 }
 
+/// How the spheres of a scene were made into meshes: the first of each way, how many, and their triangles.
+#[derive(Default)]
+pub(super) struct Spheres(BTreeMap<String, (Place, usize, usize)>);
+
+impl Spheres {
+    fn add(&mut self, how: String, place: &Place, triangles: usize) {
+        let (_, count, sum) = self.0.entry(how).or_insert((place.clone(), 0, 0));
+        *count += 1;
+        *sum += triangles;
+    }
+
+    /// One for each way.
+    pub fn remarks(&self) -> Vec<String> {
+        let remark = |(how, (place, count, triangles)): (&String, &(Place, usize, usize))| {
+            match count {
+                1 => format!("{place}: the sphere is tessellated: {how}, {triangles} triangles"),
+                _ => format!(
+                    "{place}: this sphere and {} more are tessellated, each {how}: {triangles} triangles in all. If these take too \
+                 much time or memory, put coarser meshes of your own (ply, obj) in their place",
+                    count - 1
+                ),
+            }
+        };
+        self.0.iter().map(remark).collect()
+    }
+}
+
 /// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that `is_textured` pays for texture
 /// coordinates with vertices split along seams.
 pub(super) fn mesh(
     input: &mut Input,
     object: &Object,
     is_textured: bool,
+    spheres: &mut Spheres,
 ) -> Result<(Mesh, Vec<String>), SceneError> {
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();
@@ -57,10 +86,7 @@ pub(super) fn mesh(
         "cube" => (primitives::cube(), None),
         "sphere" => {
             let (mesh, how) = sphere(is_textured);
-            remarks.push(format!(
-                "{}: the sphere is tessellated: {how}",
-                object.place
-            ));
+            spheres.add(how, &object.place, mesh.triangles.len());
             (mesh, None)
         }
         _ => {
@@ -86,18 +112,13 @@ pub(super) fn mesh(
 fn sphere(is_textured: bool) -> (RawMesh, String) {
     if is_textured {
         let mesh = primitives::globe(primitives::GLOBE_RINGS);
-        let how = format!(
-            "{} rings of latitude, {} triangles",
-            primitives::GLOBE_RINGS,
-            mesh.triangles.len()
-        );
+        let how = format!("as {} rings of latitude", primitives::GLOBE_RINGS);
         return (mesh, how);
     }
     let mesh = primitives::sphere(primitives::SPHERE_SUBDIVISIONS);
     let how = format!(
-        "an icosahedron subdivided {} times, {} triangles",
-        primitives::SPHERE_SUBDIVISIONS,
-        mesh.triangles.len()
+        "an icosahedron subdivided {} times",
+        primitives::SPHERE_SUBDIVISIONS
     );
     (mesh, how)
 }

@@ -4,6 +4,7 @@ use super::pattern::Pattern;
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Scene;
 use glam::{Vec2, Vec3};
+use rayon::slice::ParallelSliceMut;
 
 /// No triangle: the ray hit nothing.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -69,6 +70,26 @@ impl Geometry {
             g.first_triangle.push(g.triangles.len() as u32);
         }
         g
+    }
+
+    /// For each vertex of a mesh the first one at its position.
+    pub fn welded(&self, mesh: usize) -> Vec<u32> {
+        let (v0, v1) = (self.first_vertex[mesh], self.first_vertex[mesh + 1]);
+        // Adding zero makes −0 and 0 one position.
+        let bits = |v: u32| {
+            (self.positions[v as usize] + 0.0)
+                .to_array()
+                .map(f32::to_bits)
+        };
+        let mut order: Vec<u32> = (v0..v1).collect();
+        order.par_sort_unstable_by_key(|&v| (bits(v), v));
+        let mut welded = vec![0; order.len()];
+        for same in order.chunk_by(|&a, &b| bits(a) == bits(b)) {
+            for &v in same {
+                welded[(v - v0) as usize] = same[0];
+            }
+        }
+        welded
     }
 
     /// The pictures on a triangle's mesh.

@@ -60,28 +60,13 @@ impl Adjacency {
 }
 
 fn link_mesh(geometry: &Geometry, mesh: usize, twin: &mut [u32]) {
-    let (v0, v1) = (
-        geometry.first_vertex[mesh] as usize,
-        geometry.first_vertex[mesh + 1] as usize,
-    );
+    let v0 = geometry.first_vertex[mesh] as usize;
     let (t0, t1) = (
         geometry.first_triangle[mesh] as usize,
         geometry.first_triangle[mesh + 1] as usize,
     );
 
-    // Adding zero makes −0 and 0 one position.
-    let bits = |v: usize| (geometry.positions[v] + 0.0).to_array().map(f32::to_bits);
-    let mut order: Vec<u32> = (v0 as u32..v1 as u32).collect();
-    order.par_sort_unstable_by_key(|&v| (bits(v as usize), v));
-    let mut welded = vec![0u32; v1 - v0];
-    let mut first = 0;
-    for (i, &v) in order.iter().enumerate() {
-        if i == 0 || bits(v as usize) != bits(order[i - 1] as usize) {
-            first = v;
-        }
-        welded[v as usize - v0] = first;
-    }
-
+    let welded = geometry.welded(mesh);
     // (edge as unordered pair, half-edge, direction), sorted so that an edge's half-edges stand together.
     let mut edges: Vec<(u64, u32, bool)> = Vec::with_capacity(3 * (t1 - t0));
     for t in t0..t1 {

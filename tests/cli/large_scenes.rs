@@ -40,6 +40,24 @@ fn elements_nested_very_deep_are_refused_at_once() {
     );
 }
 
+#[test]
+fn spheres_are_remarked_on_once() {
+    let sphere = "<shape type=\"sphere\"/>\n";
+    let head = "<scene version=\"3.0.0\"><sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/></sensor>\n";
+    let (_, _, one) = params(&format!("{head}{sphere}</scene>"));
+    assert!(
+        one.contains("large.xml:2:1: the sphere is tessellated: an icosahedron subdivided 5 times, 20480 triangles"),
+        "{one}"
+    );
+    let (_, _, three) = params(&format!("{head}{sphere}{sphere}{sphere}</scene>"));
+    assert_eq!(three.matches("tessellated").count(), 1, "{three}");
+    assert!(
+        three.contains("large.xml:2:1: this sphere and 2 more are tessellated")
+            && three.contains(": 61440 triangles in all"),
+        "{three}"
+    );
+}
+
 /// Columns are counted from the line's start, and the other names of the one colour are longer than any format's width.
 #[test]
 fn one_line_of_very_many_elements_is_read() {
