@@ -10,6 +10,9 @@ pub enum Failure {
     /// A check said no. It has already said why.
     #[error("{0}")]
     Disagreement(String),
+    /// A check cannot tell: what it looks for is lost in noise.
+    #[error("{0}")]
+    Unsure(String),
     /// Wrong usage.
     #[error("{0}")]
     Usage(String),
@@ -40,6 +43,7 @@ impl Failure {
             Failure::Input(_) => 3,
             Failure::World(_) => 4,
             Failure::Jobs(..) => 5,
+            Failure::Unsure(_) => 6,
             // The shells' convention for a process ended by a signal.
             Failure::Interrupted(signal) => 128 + signal,
         }

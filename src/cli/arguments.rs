@@ -16,6 +16,7 @@ const EXIT_CODES: &str = "Exit codes:
   3         the input is bad: scene, parameter, mesh, image, job
   4         the world failed: files, memory
   5         a batch finished, some of its jobs failed
+  6         check cannot tell: the noise is larger than what it looks for
   130, 143  interrupted; what was finished is on disk";
 
 const EXAMPLES: &str = "Examples:
@@ -244,6 +245,9 @@ pub struct CheckArguments {
     /// and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
     #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
     pub tolerance: f64,
+    /// Goes on with more runs as long as it cannot tell, however long that takes
+    #[arg(long)]
+    pub until_sure: bool,
 }
 
 /// `warpath bench`

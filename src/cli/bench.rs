@@ -50,7 +50,7 @@ pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure
         atomic::prepare_directory(&directory)?;
         let title = format!("{} of {}: {}", i + 1, sources.len(), case.name);
         log.note(&title);
-        let progress = StageProgress::start("bench", log, &signals);
+        let progress = StageProgress::start("bench", log, &signals, 0.0);
         let steps = bench::steps(&case, plan);
         let mut done = 0;
         let outcome = bench::measure(&case, plan, &progress, &mut |record| {

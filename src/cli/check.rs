@@ -3,9 +3,10 @@
 use super::arguments::CheckArguments;
 use super::comparison::{Comparison, Excess, z_scores};
 use super::exit::Failure;
+use super::pace::{Kind, Pace};
 use super::replicates::Replicates;
 use super::session::{self, Session};
-use super::verdict::{Circumstances, SIGNIFICANT, Transposition, Verdict, judge};
+use super::verdict::{Circumstances, Outcome, SIGNIFICANT, Transposition, Verdict, judge};
 use crate::batch::direction::{self, Direction};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
@@ -14,12 +15,15 @@ use crate::scene::parameters::{self, Parameter};
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
+use std::time::Instant;
 
 /// Independent runs of either side: a few groups of samples in one run are too few to trust error bars from.
 const LEAST_RUNS: usize = 8;
 /// As long as a bias as large as the tolerance could not be told from noise, the noisier side's runs are
 /// doubled, up to this many.
 const MOST_RUNS: usize = 32;
+/// Of the brightest pixel: what rounding leaves in the difference of two images.
+const PICTURE_ROUNDING: f64 = 1e-6;
 /// Parts the seeds of the runs; finite differences with the random numbers under test would share their noise.
 const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 const FIRST_REFERENCE_SEED: usize = 1 << 20;
@@ -32,7 +36,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
             "--method fd is what the others are checked against".into(),
         ));
     }
-    let mut session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
+    let session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
     let settings = session.settings.clone();
     let direction = direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;
     if settings.spp < 2 {
@@ -41,54 +45,243 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
                 .into(),
         ));
     }
-    let mut tested = Replicates::default();
-    let first = run_tested(&mut session, &settings, &direction, &mut tested)?;
-    let transposition = transpose(&mut session, &settings, &direction, &first.gradient)?;
-    let mut reference = Replicates::default();
-    let (mut tested_runs, mut reference_runs) = (LEAST_RUNS, LEAST_RUNS);
-    let comparison = loop {
-        while tested.runs() < tested_runs {
-            run_tested(&mut session, &settings, &direction, &mut tested)?;
-        }
-        while reference.runs() < reference_runs {
-            run_reference(&mut session, &settings, &direction, &mut reference)?;
-        }
-        let comparison = Comparison::of(&tested, &reference);
-        let blurred = SIGNIFICANT * comparison.relative_bias_se > arguments.tolerance;
-        if !blurred {
-            break comparison;
-        }
-        let of_reference = comparison.reference_noise_share > 0.5;
-        match of_reference {
-            true if reference_runs < MOST_RUNS => reference_runs *= 2,
-            false if tested_runs < MOST_RUNS => tested_runs *= 2,
-            _ => break comparison,
-        }
+    let mut check = Check {
+        session,
+        settings,
+        direction,
+        tested: Replicates::default(),
+        reference: Replicates::default(),
+        pace: Pace::default(),
     };
-    write_images(&mut session, &tested, &reference)?;
-    let moves = direction
+    check.announce();
+    let first = check.run_tested()?;
+    check.tell_time();
+    let rounding = check.rounding(&first.image)?;
+    let transposition = check.transpose(&first.gradient, rounding / PICTURE_ROUNDING)?;
+    let moves = check
+        .direction
         .iter()
         .any(|(parameter, _)| parameter.moves_visibility);
-    let verdict = judge(
-        method.name(),
-        Circumstances {
-            ignores_visibility: moves && method == Method::Interior,
-            box_filter: matches!(
-                session.scene.sensors[settings.sensor].film.filter,
-                Filter::Box { .. }
-            ),
-        },
-        &transposition,
-        &comparison,
-        arguments.tolerance,
-    );
+    let filter = check.session.scene.sensors[check.settings.sensor]
+        .film
+        .filter;
+    let circumstances = Circumstances {
+        ignores_visibility: moves && method == Method::Interior,
+        box_filter: matches!(filter, Filter::Box { .. }),
+    };
+    let (comparison, verdict) = loop {
+        check.run_all()?;
+        let comparison = Comparison::of(&check.tested, &check.reference, rounding);
+        let verdict = judge(
+            method.name(),
+            circumstances,
+            &transposition,
+            &comparison,
+            arguments.tolerance,
+        );
+        let goes_on = arguments.until_sure && verdict.outcome == Outcome::CannotTell;
+        let most = if goes_on { usize::MAX } else { MOST_RUNS };
+        let is_sharp = comparison.can_tell(arguments.tolerance / SIGNIFICANT);
+        if is_sharp || !check.plan_more(&comparison, most) {
+            break (comparison, verdict);
+        }
+    };
+    write_images(&mut check.session, &check.tested, &check.reference)?;
     conclude(
-        session,
+        check.session,
         &verdict,
         &transposition,
         &comparison,
         arguments.tolerance,
     )
+}
+
+/// The runs of a check, done and to come.
+struct Check {
+    session: Session,
+    settings: Settings,
+    direction: Direction,
+    tested: Replicates,
+    reference: Replicates,
+    pace: Pace,
+}
+
+impl Check {
+    /// Says how much there is to do.
+    fn announce(&mut self) {
+        self.pace.plan(Kind::Forward, LEAST_RUNS);
+        self.pace.plan(Kind::Backward, 1);
+        self.pace.plan(Kind::Differences, LEAST_RUNS);
+        let [width, height] = self.session.resolution();
+        let spp = self.settings.spp;
+        let images = LEAST_RUNS + 1 + methods::DIFFERENCE_IMAGES * LEAST_RUNS;
+        let paths = images as f64 * f64::from(width) * f64::from(height) * f64::from(spp);
+        self.session.log.note(&format!(
+            "{} runs of {width}x{height} pixels with {spp} samples: {LEAST_RUNS} forward, 1 backward, {LEAST_RUNS} of finite \
+             differences ({} images each), {paths:.1e} camera paths; up to {MOST_RUNS} of either where they are noisy",
+            2 * LEAST_RUNS + 1,
+            methods::DIFFERENCE_IMAGES,
+        ));
+    }
+
+    fn tell_time(&self) {
+        if let Some(time) = self.pace.time_left() {
+            self.session
+                .log
+                .note(&format!("{time} left, without more runs for noise"));
+        }
+    }
+
+    /// Does what is planned.
+    fn run_all(&mut self) -> Result<(), Failure> {
+        while self.pace.left(Kind::Differences) > 0 {
+            self.run_reference()?;
+            if self.reference.runs() == 1 {
+                self.tell_time();
+            }
+        }
+        while self.pace.left(Kind::Forward) > 0 {
+            self.run_tested()?;
+        }
+        Ok(())
+    }
+
+    /// Plans as many runs again of the noisier side; whether it may have more than it had.
+    fn plan_more(&mut self, comparison: &Comparison, most: usize) -> bool {
+        let (kind, runs, name) = match comparison.reference_noise_share > 0.5 {
+            true => (
+                Kind::Differences,
+                self.reference.runs(),
+                "finite differences",
+            ),
+            false => (Kind::Forward, self.tested.runs(), "forward mode"),
+        };
+        if runs >= most {
+            return false;
+        }
+        self.pace.plan(kind, runs);
+        let noise = match comparison.reference_is_significant {
+            true => format!("± {:.1} %", 100.0 * comparison.relative_bias_se),
+            false => "nothing but noise".into(),
+        };
+        let time = self.pace.time_left().unwrap_or_default();
+        self.session.log.note(&format!(
+            "{noise} after {} and {} runs: {runs} more of {name}, {time}",
+            comparison.tested_runs, comparison.reference_runs
+        ));
+        true
+    }
+
+    /// What finite differences of this image may be wrong by in any pixel.
+    fn rounding(&self, image: &Image) -> Result<f64, Failure> {
+        let step = methods::difference_step(&self.session.scene, &self.settings, &self.direction)
+            .map_err(|error| Failure::from_engine(error, None))?;
+        let numbers = image.pixels.iter().flatten();
+        let brightest = numbers.fold(0.0_f32, |most, v| most.max(v.abs()));
+        Ok(PICTURE_ROUNDING * f64::from(brightest) / step)
+    }
+
+    fn run_tested(&mut self) -> Result<ForwardGradient, Failure> {
+        let settings = Settings {
+            seed: nth_seed(self.settings.seed, self.tested.runs()),
+            ..self.settings.clone()
+        };
+        let forward = self.run_forward("forward", Kind::Forward, &settings)?;
+        self.tested.add(&forward.gradient, stderr(&forward)?);
+        Ok(forward)
+    }
+
+    fn run_reference(&mut self) -> Result<(), Failure> {
+        let settings = Settings {
+            method: Method::Fd,
+            seed: nth_seed(
+                self.settings.seed,
+                FIRST_REFERENCE_SEED + self.reference.runs(),
+            ),
+            ..self.settings.clone()
+        };
+        let forward = self.run_forward("fd", Kind::Differences, &settings)?;
+        self.reference.add(&forward.gradient, stderr(&forward)?);
+        Ok(())
+    }
+
+    fn run_forward(
+        &mut self,
+        stage: &'static str,
+        kind: Kind,
+        settings: &Settings,
+    ) -> Result<ForwardGradient, Failure> {
+        self.timed(kind, |session, direction| {
+            session.trace(
+                stage,
+                settings,
+                |scene, settings, progress| methods::forward(scene, settings, direction, progress),
+                |forward| &forward.statistics,
+            )
+        })
+    }
+
+    fn timed<T>(
+        &mut self,
+        kind: Kind,
+        run: impl FnOnce(&mut Session, &Direction) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        self.pace.begin(kind);
+        self.session.rest_seconds = self.pace.seconds_left().unwrap_or(0.0);
+        let started = Instant::now();
+        let done = run(&mut self.session, &self.direction)?;
+        self.pace.end(kind, started.elapsed().as_secs_f64());
+        Ok(done)
+    }
+
+    /// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number. `conceivable` is what a
+    /// pixel's derivative would be if all of it came and went in a step of finite differences.
+    fn transpose(&mut self, gradient: &Image, conceivable: f64) -> Result<Transposition, Failure> {
+        let settings = self.settings.clone();
+        let adjoint = smooth_image(gradient.width, gradient.height, settings.seed);
+        let keys: Vec<Parameter> = self.direction.iter().map(|(p, _)| p.clone()).collect();
+        let objective = Objective::Adjoint(&adjoint);
+        let done = self.timed(Kind::Backward, |session, _| {
+            session.trace(
+                "backward",
+                &settings,
+                |scene, settings, progress| {
+                    methods::backward(scene, settings, &keys, &objective, progress)
+                },
+                |backward| &backward.statistics,
+            )
+        })?;
+        let weights = adjoint.pixels.as_flattened();
+        let forward = inner(gradient.pixels.as_flattened(), weights);
+        let scene = &self.session.scene;
+        let mut backward = 0.0;
+        for (parameter, tangent) in &self.direction {
+            let reduced = parameters::reduce(scene, parameter, &done.gradient);
+            backward += inner(&reduced, tangent).0;
+        }
+        let named: Vec<(&str, &[f32])> = self
+            .direction
+            .iter()
+            .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+            .collect();
+        // What moves as one cancels over its vertices.
+        let tangent = parameters::tangent(scene, &named, settings.sensor)?;
+        let size = done.gradient.inner_magnitude(&tangent);
+        let weight: f64 = weights.iter().map(|w| f64::from(w.abs())).sum();
+        Ok(Transposition::new(
+            forward,
+            (backward, size),
+            conceivable * weight,
+        ))
+    }
+}
+
+fn stderr(forward: &ForwardGradient) -> Result<&Image, Failure> {
+    forward.stderr.as_ref().ok_or_else(|| {
+        Failure::Input(
+            "with so few samples there are no standard errors to check against: raise --spp".into(),
+        )
+    })
 }
 
 /// Writes and prints what was found.
@@ -117,96 +310,16 @@ fn conclude(
         print(transposition, comparison, verdict)?;
     }
     session.close()?;
-    match verdict.agrees {
-        true => Ok(()),
-        false => Err(Failure::Disagreement(verdict.complaints.join("\n"))),
+    match verdict.outcome {
+        Outcome::Agrees => Ok(()),
+        Outcome::Disagrees => Err(Failure::Disagreement(verdict.complaints.join("\n"))),
+        Outcome::CannotTell => Err(Failure::Unsure(verdict.summary.clone())),
     }
-}
-
-fn run_tested(
-    session: &mut Session,
-    settings: &Settings,
-    direction: &Direction,
-    runs: &mut Replicates,
-) -> Result<ForwardGradient, Failure> {
-    let settings = Settings {
-        seed: nth_seed(settings.seed, runs.runs()),
-        ..settings.clone()
-    };
-    run_forward(session, "forward", &settings, direction, runs)
-}
-
-fn run_reference(
-    session: &mut Session,
-    settings: &Settings,
-    direction: &Direction,
-    runs: &mut Replicates,
-) -> Result<(), Failure> {
-    let settings = Settings {
-        method: Method::Fd,
-        seed: nth_seed(settings.seed, FIRST_REFERENCE_SEED + runs.runs()),
-        ..settings.clone()
-    };
-    run_forward(session, "fd", &settings, direction, runs).map(drop)
-}
-
-fn run_forward(
-    session: &mut Session,
-    stage: &'static str,
-    settings: &Settings,
-    direction: &Direction,
-    runs: &mut Replicates,
-) -> Result<ForwardGradient, Failure> {
-    let forward = session.trace(
-        stage,
-        settings,
-        |scene, settings, progress| methods::forward(scene, settings, direction, progress),
-        |forward| &forward.statistics,
-    )?;
-    let stderr = forward.stderr.as_ref().ok_or_else(|| {
-        Failure::Input(
-            "with so few samples there are no standard errors to check against: raise --spp".into(),
-        )
-    })?;
-    runs.add(&forward.gradient, stderr);
-    Ok(forward)
 }
 
 /// The first is the user's own.
 fn nth_seed(seed: u64, n: usize) -> u64 {
     seed.wrapping_add((n as u64).wrapping_mul(SEED_STEP))
-}
-
-/// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number.
-fn transpose(
-    session: &mut Session,
-    settings: &Settings,
-    direction: &Direction,
-    gradient: &Image,
-) -> Result<Transposition, Failure> {
-    let adjoint = smooth_image(gradient.width, gradient.height, settings.seed);
-    let keys: Vec<Parameter> = direction
-        .iter()
-        .map(|(parameter, _)| parameter.clone())
-        .collect();
-    let objective = Objective::Adjoint(&adjoint);
-    let done = session.trace(
-        "backward",
-        settings,
-        |scene, settings, progress| methods::backward(scene, settings, &keys, &objective, progress),
-        |backward| &backward.statistics,
-    )?;
-    let forward = inner(
-        gradient.pixels.as_flattened(),
-        adjoint.pixels.as_flattened(),
-    );
-    let mut backward = (0.0, 0.0);
-    for (parameter, tangent) in direction {
-        let reduced = parameters::reduce(&session.scene, parameter, &done.gradient);
-        let (sum, size) = inner(&reduced, tangent);
-        backward = (backward.0 + sum, backward.1 + size);
-    }
-    Ok(Transposition::new(forward, backward))
 }
 
 /// The sum of the products, and of their absolute values.
@@ -294,10 +407,11 @@ fn print(t: &Transposition, c: &Comparison, verdict: &Verdict) -> Result<(), Fai
         c.tested_runs,
         c.reference_runs,
     )?;
-    match verdict.agrees {
-        true => writeln!(out, "{}", verdict.summary)?,
+    match verdict.outcome {
+        Outcome::Agrees => writeln!(out, "{}", verdict.summary)?,
         // The error on stderr says why.
-        false => writeln!(out, "they disagree")?,
+        Outcome::Disagrees => writeln!(out, "they disagree")?,
+        Outcome::CannotTell => writeln!(out, "cannot tell")?,
     }
     Ok(out.flush()?)
 }

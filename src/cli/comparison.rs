@@ -35,6 +35,8 @@ pub struct Comparison {
     pub reference_rms: f64,
     /// Whether the reference stands out of its own noise at all.
     pub reference_is_significant: bool,
+    /// Whether neither is anything but rounding.
+    pub is_zero: bool,
 }
 
 /// Difference beyond noise: Σ(difference² − variance), which is zero on average if the two agree.
@@ -47,12 +49,14 @@ pub struct Excess {
 }
 
 impl Comparison {
-    /// Compares `tested` with `reference`, of one size.
-    pub fn of(tested: &Replicates, reference: &Replicates) -> Self {
+    /// Compares `tested` with `reference`, of one size, whose numbers may be wrong by `rounding` at least.
+    pub fn of(tested: &Replicates, reference: &Replicates, rounding: f64) -> Self {
         let mut sums = Sums::default();
         let mut clusters = vec![[0.0; 3]; tested.block_count()];
         let mut largest = (0.0, 0);
-        let rounding = ROUNDING * largest_magnitude(tested).max(largest_magnitude(reference));
+        let magnitude = largest_magnitude(tested).max(largest_magnitude(reference));
+        let is_zero = magnitude <= rounding;
+        let rounding = rounding.max(ROUNDING * magnitude);
         for (at, ((a, sa), (b, sb))) in tested.numbers().zip(reference.numbers()).enumerate() {
             let variance = sa * sa + sb * sb;
             if variance == 0.0 && a == 0.0 && b == 0.0 {
@@ -82,7 +86,7 @@ impl Comparison {
             cluster[2] += variance;
         }
         let signal = (sums.bb - sums.noise_b).max(0.0);
-        let significant = signal > 0.1 * sums.bb;
+        let significant = !is_zero && signal > 0.1 * sums.bb;
         // Without a signal nothing is relative to it.
         let scale = if significant { signal } else { f64::NAN };
         let slope = sums.ab / scale;
@@ -116,7 +120,13 @@ impl Comparison {
             certain_differences: sums.certain,
             reference_rms: (signal / tested.numbers().count().max(1) as f64).sqrt(),
             reference_is_significant: significant,
+            is_zero,
         }
+    }
+
+    /// Whether the error bar of the bias is small enough to tell anything of this size.
+    pub fn can_tell(&self, size: f64) -> bool {
+        self.is_zero || self.reference_is_significant && self.relative_bias_se <= size
     }
 }
 

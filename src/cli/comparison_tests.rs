@@ -63,6 +63,7 @@ fn compare(tested: impl Fn(usize) -> f64) -> Comparison {
     Comparison::of(
         &replicates(1, &tested, &noise),
         &replicates(1000, &truth, &noise),
+        0.0,
     )
 }
 
@@ -127,7 +128,24 @@ fn noise_alone_is_no_signal() {
     let c = Comparison::of(
         &replicates(1, &|_| 0.0, &|_| 1.0),
         &replicates(1000, &|_| 0.0, &|_| 1.0),
+        0.0,
     );
-    assert!(!c.reference_is_significant, "{c:?}");
+    assert!(!c.reference_is_significant && !c.is_zero, "{c:?}");
     assert!(c.blocks.significance < 4.0, "{c:?}");
+    assert!(!c.can_tell(0.5), "{c:?}");
+}
+
+#[test]
+fn rounding_alone_is_zero() {
+    let tiny = |at: usize| 1e-9 * truth(at);
+    let zero = replicates(1, &|_| 0.0, &|_| 0.0);
+    let other = replicates(1000, &tiny, &|_| 1e-10);
+    let c = Comparison::of(&zero, &other, 1e-8);
+    assert!(c.is_zero && c.can_tell(0.03), "{c:?}");
+    assert!(!c.reference_is_significant, "nothing is relative to it");
+    assert!(
+        c.certain_differences == 0 && c.blocks.significance < 4.0,
+        "{c:?}"
+    );
+    assert!(!Comparison::of(&zero, &other, 1e-12).is_zero);
 }

@@ -12,6 +12,7 @@ mod exit;
 mod forward;
 mod log;
 mod merge;
+mod pace;
 mod params;
 mod progress;
 mod render;

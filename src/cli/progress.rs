@@ -1,6 +1,7 @@
 //! How far a run is: a bar on a terminal, JSON events on request, else nothing.
 
 use super::log::Log;
+use super::pace;
 use super::signals::Signals;
 use crate::methods::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -18,6 +19,8 @@ pub struct StageProgress {
     signals: Signals,
     show: Show,
     started: Instant,
+    /// What is expected to come after this stage.
+    rest_seconds: f64,
 }
 
 enum Show {
@@ -27,14 +30,14 @@ enum Show {
 }
 
 impl StageProgress {
-    /// Begins to show `stage`.
-    pub fn start(stage: &'static str, log: Log, signals: &Signals) -> Self {
+    /// Begins to show `stage`, after which so many seconds of others are expected.
+    pub fn start(stage: &'static str, log: Log, signals: &Signals, rest_seconds: f64) -> Self {
         let show = if log.is_quiet() {
             Show::Nothing
         } else if log.is_json() {
             Show::Events(log, Mutex::new(Instant::now()))
         } else if std::io::stderr().is_terminal() {
-            Show::Bar(bar(stage))
+            Show::Bar(bar(stage, rest_seconds))
         } else {
             Show::Nothing
         };
@@ -43,6 +46,7 @@ impl StageProgress {
             signals: signals.clone(),
             show,
             started: Instant::now(),
+            rest_seconds,
         }
     }
 
@@ -64,6 +68,7 @@ impl StageProgress {
         log.event(&json!({
             "event": "progress", "stage": self.stage, "done": done, "total": total,
             "seconds": seconds, "rate": rate, "seconds_left": left,
+            "seconds_left_in_all": left.map(|left| left + self.rest_seconds),
         }));
     }
 }
@@ -103,12 +108,15 @@ impl Drop for StageProgress {
     }
 }
 
-fn bar(stage: &'static str) -> ProgressBar {
+fn bar(stage: &'static str, rest_seconds: f64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-    let template = "{msg:>9} {wide_bar} {percent:>3} %  {per_sec}  {eta} left";
+    let template = "{msg:>9} {wide_bar} {percent:>3} %  {per_sec}  {eta} left{prefix}";
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar.set_message(stage);
+    if rest_seconds > 0.0 {
+        bar.set_prefix(format!(", then {}", pace::shown(rest_seconds)));
+    }
     bar
 }

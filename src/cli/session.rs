@@ -25,6 +25,8 @@ pub struct Session {
     pub settings: Settings,
     pub report: Report,
     pub log: Log,
+    /// What is expected to come after the next stage, for its progress.
+    pub rest_seconds: f64,
     directory: PathBuf,
     directory_is_ready: bool,
     signals: Signals,
@@ -86,6 +88,7 @@ impl Session {
             settings,
             report,
             log,
+            rest_seconds: 0.0,
             directory,
             directory_is_ready: false,
             signals,
@@ -115,7 +118,7 @@ impl Session {
     ) -> Result<T, Failure> {
         // Hours of tracing must not end in a directory that cannot be written.
         self.prepare_directory()?;
-        let progress = StageProgress::start(stage, self.log, &self.signals);
+        let progress = StageProgress::start(stage, self.log, &self.signals, self.rest_seconds);
         let done = work(&self.scene, settings, &progress);
         progress.finish();
         let done = done.map_err(|error| Failure::from_engine(error, self.signals.received()))?;

@@ -10,8 +10,8 @@ const ROUNDING: f64 = 1e-4;
 pub const SIGNIFICANT: f64 = 4.0;
 /// Single pixels may differ by this many times the tolerance: a finite step blurs what is sharp.
 const PIXEL_FACTOR: f64 = 3.0;
-/// An error bar of the bias above this lets almost anything pass, and the user should know.
-const COARSE: f64 = 0.1;
+/// Of what the image itself would weigh over a step of finite differences: sums of smaller terms are zero but for rounding.
+const LEAST_SHARE: f64 = 1e-5;
 
 /// Forward against reverse mode.
 #[derive(Clone, Debug, Serialize)]
@@ -27,9 +27,15 @@ pub struct Transposition {
 }
 
 impl Transposition {
-    /// From either sum and its magnitude.
-    pub fn new((forward, forward_size): (f64, f64), (backward, backward_size): (f64, f64)) -> Self {
-        let magnitude = forward_size.max(backward_size);
+    /// From either sum and its magnitude; `conceivable` is the sum if every pixel changed by its whole value over a step of
+    /// finite differences.
+    pub fn new(
+        (forward, forward_size): (f64, f64),
+        (backward, backward_size): (f64, f64),
+        conceivable: f64,
+    ) -> Self {
+        let least = LEAST_SHARE * conceivable;
+        let magnitude = forward_size.max(backward_size).max(least);
         let relative_difference = match magnitude > 0.0 {
             true => (forward - backward).abs() / magnitude,
             false => 0.0,
@@ -44,9 +50,20 @@ impl Transposition {
     }
 }
 
+/// In a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    Agrees,
+    Disagrees,
+    /// The noise is larger than what is looked for.
+    CannotTell,
+}
+
 /// The conclusion.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
+    pub outcome: Outcome,
     pub agrees: bool,
     /// One or two sentences.
     pub summary: String,
@@ -74,66 +91,81 @@ pub fn judge(
     tolerance: f64,
 ) -> Verdict {
     let mut complaints = complaints(method, t, c, tolerance);
-    let agrees = complaints.is_empty();
-    if !agrees && circumstances.ignores_visibility {
+    let outcome = match (complaints.is_empty(), c.can_tell(tolerance)) {
+        (false, _) => Outcome::Disagrees,
+        (true, true) => Outcome::Agrees,
+        (true, false) => Outcome::CannotTell,
+    };
+    let disagrees = outcome == Outcome::Disagrees;
+    if disagrees && circumstances.ignores_visibility {
         complaints.push(format!(
             "{method} ignores visibility, which these parameters move"
         ));
-    } else if !agrees && circumstances.box_filter && c.blocks.significance <= SIGNIFICANT {
+    } else if disagrees && circumstances.box_filter && c.blocks.significance <= SIGNIFICANT {
         complaints.push(
             "but over blocks of pixels they agree: under a box filter an edge that lies between two pixels has no \
              derivative; another rfilter tells"
                 .into(),
         );
     }
-    let agreement = if !c.reference_is_significant {
-        format!("{method} and finite differences do not differ by more than their noise.")
-    } else {
-        let seen = SIGNIFICANT * c.relative_bias_se;
-        let verb = match seen > COARSE {
-            true => "is not seen to differ from",
-            false => "agrees with",
-        };
-        format!(
-            "{method} {verb} finite differences: along their image it is {:+.2} % ± {:.2} % off ({:.0} % and {SIGNIFICANT} \
-             standard errors may be), and over blocks of pixels {} is left, which is {:.1} standard errors of noise.",
-            100.0 * c.relative_bias,
-            100.0 * c.relative_bias_se,
-            100.0 * tolerance,
-            share(c.blocks.relative_rms, 2),
-            c.blocks.significance,
-        )
-    };
     Verdict {
-        agrees,
-        summary: match agrees {
-            true => format!(
-                "{agreement} Forward and backward are the same number but for {:.0e} of its magnitude.",
-                t.relative_difference
-            ),
-            false => complaints.join("; "),
+        outcome,
+        agrees: outcome == Outcome::Agrees,
+        summary: match outcome {
+            Outcome::Agrees => agreement(method, t, c, tolerance),
+            Outcome::Disagrees => complaints.join("; "),
+            Outcome::CannotTell => ignorance(method, c, tolerance),
         },
         complaints,
-        doubts: doubts(c),
+        doubts: match c.is_zero {
+            true => vec![
+                "both gradients are zero everywhere: the image does not depend on the parameters"
+                    .into(),
+            ],
+            false => Vec::new(),
+        },
     }
 }
 
-fn doubts(c: &Comparison) -> Vec<String> {
-    let mut doubts = Vec::new();
-    if c.compared == 0 {
-        doubts.push(
-            "both gradients are zero everywhere: the image does not depend on the parameters"
-                .into(),
-        );
-    } else if !c.reference_is_significant {
-        doubts.push("the finite differences do not stand out of their noise: raise --spp".into());
-    } else if SIGNIFICANT * c.relative_bias_se > COARSE {
-        doubts.push(format!(
-            "only a bias above {:.0} % could be seen: raise --spp",
-            100.0 * SIGNIFICANT * c.relative_bias_se
-        ));
+fn agreement(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -> String {
+    let same = format!(
+        "Forward and backward are the same number but for {:.0e} of its magnitude.",
+        t.relative_difference
+    );
+    if c.is_zero {
+        return format!("{method} and finite differences are both zero. {same}");
     }
-    doubts
+    format!(
+        "{method} agrees with finite differences: along their image it is {:+.2} % ± {:.2} % off ({:.0} % and {SIGNIFICANT} \
+         standard errors may be), and over blocks of pixels {} is left, which is {:.1} standard errors of noise. {same}",
+        100.0 * c.relative_bias,
+        100.0 * c.relative_bias_se,
+        100.0 * tolerance,
+        share(c.blocks.relative_rms, 2),
+        c.blocks.significance,
+    )
+}
+
+/// Why nothing can be told, and what would help.
+fn ignorance(method: &str, c: &Comparison, tolerance: f64) -> String {
+    let why = match c.reference_is_significant {
+        true => format!(
+            "along the image of finite differences {method} is {:+.1} % ± {:.1} % off, and what is looked for is {} %; that \
+             needs about {} times the samples",
+            100.0 * c.relative_bias,
+            100.0 * c.relative_bias_se,
+            100.0 * tolerance,
+            two_digits((c.relative_bias_se / tolerance).powi(2)),
+        ),
+        false => "the finite differences do not stand out of their noise".to_string(),
+    };
+    format!("cannot tell: {why}. Raise --spp, or go on with --until-sure")
+}
+
+/// Rounded up.
+fn two_digits(number: f64) -> f64 {
+    let unit = 10_f64.powf(number.log10().floor() - 1.0).max(1.0);
+    (number / unit).ceil() * unit
 }
 
 fn complaints(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -> Vec<String> {
@@ -188,5 +220,28 @@ fn share(relative_rms: f64, digits: usize) -> String {
     match relative_rms.is_finite() {
         true => format!("{:.digits$} % of their RMS", 100.0 * relative_rms),
         false => "an unknown part".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_nothing_are_the_same() {
+        let new = |forward, backward| Transposition::new(forward, backward, 100.0);
+        assert!(new((0.0, 0.0), (0.0, 0.0)).agrees);
+        // What moves as one cancels over its vertices, and what is left is rounding.
+        assert!(new((0.0, 0.0), (-2.8e-14, 2.8e-14)).agrees);
+        assert!(new((0.0, 0.0), (-2.8e-6, 1.0)).agrees);
+        assert!(!new((0.0, 0.0), (-2.8e-3, 1.0)).agrees);
+        assert!(!new((1.0, 1.0), (1.1, 1.1)).agrees);
+    }
+
+    #[test]
+    fn a_number_of_samples_is_rounded_up() {
+        for (number, shown) in [(2.1, 3.0), (64.0, 64.0), (2401.0, 2500.0)] {
+            assert_eq!(two_digits(number), shown);
+        }
     }
 }

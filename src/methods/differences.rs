@@ -12,6 +12,8 @@ use crate::paths::camera::Camera;
 use crate::scene::parameters::{Parameter, displace, tangent};
 use crate::scene::{Rgb, Scene};
 
+/// Renderings that one difference takes.
+pub const IMAGES: usize = 4;
 /// Pixels that the fastest point moves at the step h.
 const STEP_PIXELS: f64 = 0.1;
 /// Step for parameters that move nothing: the image is linear or smooth in them.
@@ -37,7 +39,7 @@ pub fn forward(
         rr_depth: u32::MAX,
         ..settings.clone()
     };
-    let offsets = [-2.0, -1.0, 1.0, 2.0];
+    let offsets: [f64; IMAGES] = [-2.0, -1.0, 1.0, 2.0];
     // D = Σ weight·I(θ + offset·h)/h.
     let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
     let mut groups: Vec<Vec<[f64; 3]>> = Vec::new();
@@ -99,7 +101,7 @@ pub fn forward(
 }
 
 /// A step along the direction that moves the fastest visible point by [`STEP_PIXELS`].
-fn step(
+pub fn step(
     scene: &Scene,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],

@@ -10,6 +10,8 @@ mod spare;
 mod stage;
 mod tangent;
 
+pub use differences::{IMAGES as DIFFERENCE_IMAGES, step as difference_step};
+
 use crate::scene::parameters::Parameter;
 use crate::scene::{Scene, SceneDifferential, SceneError};
 use crate::trace::Backend;

@@ -93,6 +93,45 @@ impl SceneDifferential {
         }
     }
 
+    /// What the inner product with `tangent` adds up: the sum of the absolute values of the products, to which rounding is
+    /// relative.
+    pub fn inner_magnitude(&self, tangent: &Self) -> f64 {
+        fn of<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<f32> {
+            numbers.into_iter().copied().collect()
+        }
+        let vectors = |all: &[Option<Vec<Vec3>>]| -> Vec<Vec<f32>> {
+            let flat =
+                |v: &Option<Vec<Vec3>>| v.iter().flatten().flat_map(|p| p.to_array()).collect();
+            all.iter().map(flat).collect()
+        };
+        let parts = |d: &Self| -> Vec<Vec<f32>> {
+            let (environment, camera) = (
+                d.environment.unwrap_or_default(),
+                d.camera.unwrap_or_default(),
+            );
+            let texels = d.texels.iter().map(|t| of(t.iter().flatten().flatten()));
+            let to_uv = d.to_uv.iter().map(|m| of(m.iter().flatten()));
+            let lights = d
+                .delta_lights
+                .iter()
+                .map(|l| of(&l.unwrap_or_default().to_array()));
+            let mut parts: Vec<Vec<f32>> = texels.chain(to_uv).chain(lights).collect();
+            parts.extend(vectors(&d.positions));
+            parts.extend(vectors(&d.given_normals));
+            parts.push(vec![environment.scale, camera.x_fov_deg]);
+            for rotation in [environment.rotation, camera.translation, camera.rotation] {
+                parts.push(rotation.to_array().to_vec());
+            }
+            parts
+        };
+        let (own, other) = (parts(self), parts(tangent));
+        let pairs = own.iter().zip(&other);
+        let products = pairs.flat_map(|(a, b)| a.iter().zip(b));
+        products
+            .map(|(a, b)| (f64::from(*a) * f64::from(*b)).abs())
+            .sum()
+    }
+
     /// The mean of several differentials of one shape.
     pub fn mean(all: &[Self]) -> Self {
         let mut mean = all[0].clone();

@@ -1,6 +1,6 @@
 //! `check` says yes to a right gradient and no to a wrong one.
 
-use crate::workplace::{text, typed, warpath, workplace};
+use crate::workplace::{SCENE, text, typed, warpath, workplace};
 
 /// With a filter that has a derivative everywhere, unless `line` names another.
 fn check(line: &str) -> (Option<i32>, serde_json::Value, String) {
@@ -74,5 +74,92 @@ fn edges_between_pixels_of_a_box_filter_are_explained() {
     assert!(
         said.contains("under a box filter an edge that lies between two pixels"),
         "{said}"
+    );
+}
+
+/// Two samples a pixel, 48 pixels: the error bar of the bias is 8 % after all the runs there are without asking for more.
+const NOISY: &str =
+    "check s.xml --param card.translation=1,0.3,0 --resolution 8x6 --spp 2 -D filter=gaussian";
+
+#[test]
+fn noise_larger_than_what_is_looked_for_is_no_agreement() {
+    let directory = workplace();
+    let out = warpath(directory.path(), &typed(&format!("{NOISY} -o out -q")));
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(6), "{message}");
+    assert!(message.contains("cannot tell: "), "{message}");
+    assert!(message.contains(" times the samples"), "{message}");
+    assert!(text(&out.stdout).ends_with("\ncannot tell\n"));
+    let found = std::fs::read(directory.path().join("out/check.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_slice(&found).unwrap();
+    assert_eq!(found["verdict"]["outcome"], "cannot_tell");
+    assert_eq!(found["verdict"]["agrees"], false);
+
+    let sure = format!("{NOISY} -o out --until-sure");
+    let out = warpath(directory.path(), &typed(&sure));
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{message}");
+    assert!(
+        message.contains("8 more of finite differences"),
+        "{message}"
+    );
+    let found = std::fs::read(directory.path().join("out/check.json")).unwrap();
+    let found: serde_json::Value = serde_json::from_slice(&found).unwrap();
+    let compared = &found["forward_against_fd"];
+    assert!(compared["reference_runs"].as_u64() > Some(32), "{compared}");
+    let error = compared["relative_bias_se"].as_f64().unwrap();
+    assert!(error <= 0.03, "{error}");
+}
+
+/// A plane without end under an even sky looks the same wherever it is.
+#[test]
+fn gradients_that_are_zero_agree() {
+    let directory = workplace();
+    let plane = r#"<shape type="rectangle" id="floor"><transform name="to_world"><scale value="50"/></transform>"#;
+    let floor = r#"<shape type="rectangle" id="floor">"#;
+    let card = SCENE.find(r#"<shape type="rectangle" id="card">"#).unwrap();
+    let end = SCENE.find(r#"<emitter type="constant""#).unwrap();
+    let scene = format!("{}{}", &SCENE[..card], &SCENE[end..]);
+    let scene = scene.replace(floor, plane);
+    std::fs::write(directory.path().join("plane.xml"), scene).unwrap();
+    for parameter in [
+        "floor.translation=1,0,0",
+        "floor.rotation=0,0,1",
+        "cam.translation=1,0,0",
+    ] {
+        let line = format!(
+            "check plane.xml --param {parameter} --resolution 16x12 --spp 16 -D filter=gaussian -o out"
+        );
+        let out = warpath(directory.path(), &typed(&line));
+        let said = text(&out.stdout) + &text(&out.stderr);
+        assert_eq!(out.status.code(), Some(0), "{said}");
+        assert!(said.contains("finite differences are both zero"), "{said}");
+        assert!(
+            said.contains("the image does not depend on the parameters"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn how_much_there_is_to_do_is_said_before_and_how_long_after_the_first_run() {
+    let directory = workplace();
+    let line = "check s.xml --param env.radiance.value=1,1,1 --spp 4 -o out";
+    let out = warpath(directory.path(), &typed(line));
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{message}");
+    let mut lines = message.lines();
+    let first = lines.next().unwrap();
+    assert!(
+        first.starts_with("17 runs of 8x6 pixels with 4 samples"),
+        "{message}"
+    );
+    assert!(first.contains("7.9e3 camera paths"), "{message}");
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .ends_with(" left, without more runs for noise"),
+        "{message}"
     );
 }

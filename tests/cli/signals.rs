@@ -82,7 +82,7 @@ fn interrupts_stop_every_command_cleanly() {
     interrupt(at, &backward, "TERM", 143);
     interrupt(
         at,
-        &["check", "s.xml", "--param", "card.translation=1,0,0"],
+        &["check", "s.xml", "--param", "card.translation=1,0,0", "-q"],
         "INT",
         130,
     );
