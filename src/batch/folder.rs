@@ -71,8 +71,8 @@ fn fill<T>(
     Ok(atomic::sync_directory(directory)?)
 }
 
-/// Refuses a folder in which symbolic links stand where the batch itself writes or takes away: what they lead to is none of
-/// its business.
+/// Refuses a folder in which symbolic links stand where the batch itself writes or takes away: what
+/// they lead to is none of its business.
 pub fn refuse_links(directory: &Path) -> Result<(), Failure> {
     for own in OWN_FILES {
         refuse_link(&directory.join(own))?;

@@ -124,8 +124,8 @@ impl Journal {
     }
 }
 
-/// Reads the results of a batch that may have been cut off at any byte. A line's end is written last: a line without one is
-/// torn; any other that is not a result was not written by a batch.
+/// Reads the results of a batch that may have been cut off at any byte. A line's end is written
+/// last: a line without one is torn; any other that is not a result was not written by a batch.
 pub fn read(path: &Path, bytes: &[u8]) -> Result<Earlier, Failure> {
     let mut earlier = Earlier::default();
     let mut holders = HashMap::new();

@@ -234,8 +234,9 @@ impl Check {
         Ok(done)
     }
 
-    /// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number. `conceivable` is what a
-    /// pixel's derivative would be if all of it came and went in a step of finite differences.
+    /// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number.
+    /// `conceivable` is what a pixel's derivative would be if all of it came and went in a step of
+    /// finite differences.
     fn transpose(&mut self, gradient: &Image, conceivable: f64) -> Result<Transposition, Failure> {
         let settings = self.settings.clone();
         let adjoint = smooth_image(gradient.width, gradient.height, settings.seed);

@@ -49,7 +49,8 @@ pub struct Excess {
 }
 
 impl Comparison {
-    /// Compares `tested` with `reference`, of one size, whose numbers may be wrong by `rounding` at least.
+    /// Compares `tested` with `reference`, of one size, whose numbers may be wrong by `rounding` at
+    /// least.
     pub fn of(tested: &Replicates, reference: &Replicates, rounding: f64) -> Self {
         let mut sums = Sums::default();
         let mut clusters = vec![[0.0; 3]; tested.block_count()];

@@ -55,7 +55,8 @@ impl Pace {
         runs.seconds += seconds;
     }
 
-    /// Of the runs to come, once any has ended; kinds that have not been seen are taken for the slowest that was.
+    /// Of the runs to come, once any has ended; kinds that have not been seen are taken for the
+    /// slowest that was.
     pub fn seconds_left(&self) -> Option<f64> {
         let slowest = self.kinds.iter().filter_map(Runs::cost).reduce(f64::max)?;
         let costs = self.kinds.iter();

@@ -1,5 +1,6 @@
-//! Ctrl-C and SIGTERM: the first asks for a clean end and gets one all the same if that takes too long (a pipe that nobody
-//! reads, a file that never comes, a long build); a second ends the program at once.
+//! Ctrl-C and SIGTERM: the first asks for a clean end and gets one all the same if that takes too
+//! long (a pipe that nobody reads, a file that never comes, a long build); a second ends the
+//! program at once.
 
 use super::exit::Failure;
 use super::log::Log;
@@ -16,8 +17,8 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 /// For the clean end.
 const GRACE: Duration = Duration::from_millis(1400);
-/// For taking unfinished files away and saying so, which may itself wait for a disk or a pipe. All three together are less
-/// than two seconds.
+/// For taking unfinished files away and saying so, which may itself wait for a disk or a pipe. All
+/// three together are less than two seconds.
 const TIDYING: Duration = Duration::from_millis(300);
 
 /// Which signal has come, if any. Clones watch the same one.

@@ -10,7 +10,8 @@ const ROUNDING: f64 = 1e-4;
 pub const SIGNIFICANT: f64 = 4.0;
 /// Single pixels may differ by this many times the tolerance: a finite step blurs what is sharp.
 const PIXEL_FACTOR: f64 = 3.0;
-/// Of what the image itself would weigh over a step of finite differences: sums of smaller terms are zero but for rounding.
+/// Of what the image itself would weigh over a step of finite differences: sums of smaller terms
+/// are zero but for rounding.
 const LEAST_SHARE: f64 = 1e-5;
 
 /// Forward against reverse mode.
@@ -27,8 +28,8 @@ pub struct Transposition {
 }
 
 impl Transposition {
-    /// From either sum and its magnitude; `conceivable` is the sum if every pixel changed by its whole value over a step of
-    /// finite differences.
+    /// From either sum and its magnitude; `conceivable` is the sum if every pixel changed by its
+    /// whole value over a step of finite differences.
     pub fn new(
         (forward, forward_size): (f64, f64),
         (backward, backward_size): (f64, f64),

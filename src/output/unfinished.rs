@@ -1,5 +1,5 @@
-//! What is being written under a temporary name: it gets its own name when it is whole, or goes, even if the process must end
-//! in the middle.
+//! What is being written under a temporary name: it gets its own name when it is whole, or goes,
+//! even if the process must end in the middle.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// All that this process is writing. Held while one of them is made or gets its name, so that [`remove_all`] never takes away
-/// what has just been finished.
+/// All that this process is writing. Held while one of them is made or gets its name, so that
+/// [`remove_all`] never takes away what has just been finished.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// A file may be made in a folder just while it is taken away.
@@ -60,14 +60,15 @@ impl Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         if locked().remove(&self.path) {
-            // What made the writing fail may make this fail too; the error of the writing is the one that tells.
+            // What made the writing fail may make this fail too; the error of the writing is the
+            // one that tells.
             let _ = remove(&self.path);
         }
     }
 }
 
-/// For a process that is about to end: takes away all that is unfinished. Whoever wants to begin or to finish anything from
-/// now on waits until the process ends.
+/// For a process that is about to end: takes away all that is unfinished. Whoever wants to begin or
+/// to finish anything from now on waits until the process ends.
 pub fn remove_all() {
     let all = locked();
     for path in all.iter() {

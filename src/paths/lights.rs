@@ -175,7 +175,8 @@ pub fn luminance(c: Rgb) -> f64 {
 /// No half-edge.
 const NONE: u32 = u32::MAX;
 
-/// Joins triangles of a mesh that share a diagonal into parallelograms, each triangle at most once, in order.
+/// Joins triangles of a mesh that share a diagonal into parallelograms, each triangle at most once,
+/// in order.
 fn pair_triangles(geometry: &Geometry, mesh: usize) -> Vec<Patch> {
     let position = |v: u32| geometry.positions[v as usize];
     let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
@@ -223,8 +224,8 @@ fn pair_triangles(geometry: &Geometry, mesh: usize) -> Vec<Patch> {
     patches
 }
 
-/// For each half-edge of a mesh (3·triangle + the corner it is opposite to) the latest one before it that runs the other way
-/// between the same positions, or [`NONE`].
+/// For each half-edge of a mesh (3·triangle + the corner it is opposite to) the latest one before
+/// it that runs the other way between the same positions, or [`NONE`].
 fn twins(geometry: &Geometry, mesh: usize) -> Vec<u32> {
     let welded = geometry.welded(mesh);
     let v0 = geometry.first_vertex[mesh];

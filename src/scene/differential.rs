@@ -93,8 +93,8 @@ impl SceneDifferential {
         }
     }
 
-    /// What the inner product with `tangent` adds up: the sum of the absolute values of the products, to which rounding is
-    /// relative.
+    /// What the inner product with `tangent` adds up: the sum of the absolute values of the
+    /// products, to which rounding is relative.
     pub fn inner_magnitude(&self, tangent: &Self) -> f64 {
         fn of<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<f32> {
             numbers.into_iter().copied().collect()

@@ -34,7 +34,8 @@ pub(super) fn parts<'a>(tree: &Tree, object: &'a Object) -> Result<Parts<'a>, Sc
     Ok(Parts { bsdf, emitter })
 }
 
-/// How the spheres of a scene were made into meshes: the first of each way, how many, and their triangles.
+/// How the spheres of a scene were made into meshes: the first of each way, how many, and their
+/// triangles.
 #[derive(Default)]
 pub(super) struct Spheres(BTreeMap<String, (Place, usize, usize)>);
 

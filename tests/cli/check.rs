@@ -77,7 +77,8 @@ fn edges_between_pixels_of_a_box_filter_are_explained() {
     );
 }
 
-/// Two samples a pixel, 48 pixels: the error bar of the bias is 8 % after all the runs there are without asking for more.
+/// Two samples a pixel, 48 pixels: the error bar of the bias is 8 % after all the runs there are
+/// without asking for more.
 const NOISY: &str =
     "check s.xml --param card.translation=1,0.3,0 --resolution 8x6 --spp 2 -D filter=gaussian";
 

@@ -58,7 +58,8 @@ fn spheres_are_remarked_on_once() {
     );
 }
 
-/// Columns are counted from the line's start, and the other names of the one colour are longer than any format's width.
+/// Columns are counted from the line's start, and the other names of the one colour are longer than
+/// any format's width.
 #[test]
 fn one_line_of_very_many_elements_is_read() {
     let shapes = "<shape type=\"rectangle\"><ref id=\"grey\"/></shape>".repeat(60_000);

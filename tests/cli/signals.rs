@@ -99,7 +99,8 @@ fn start(directory: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Signals a child that does not look at signals, and expects it to end soon; what is in its standard output is not read.
+/// Signals a child that does not look at signals, and expects it to end soon; what is in its
+/// standard output is not read.
 fn end_soon(mut child: Child, signal: &str, code: i32) {
     crate::workplace::signal(child.id(), signal);
     let sent = Instant::now();
@@ -120,7 +121,8 @@ fn end_soon(mut child: Child, signal: &str, code: i32) {
     assert!(stderr.ends_with("error: interrupted\n"), "{stderr}");
 }
 
-/// A client that asks and asks and does not read the answers: the worker waits for room in the pipe.
+/// A client that asks and asks and does not read the answers: the worker waits for room in the
+/// pipe.
 #[test]
 fn a_worker_whose_answers_nobody_reads_ends() {
     let directory = workplace();

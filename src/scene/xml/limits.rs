@@ -1,13 +1,14 @@
-//! What is refused before the text is parsed, because parsing it would take time that grows with the square of its
-//! length: the parser compares every attribute of an element, and every namespace in scope, with each other.
+//! What is refused before the text is parsed, because parsing it would take time that grows with
+//! the square of its length: the parser compares every attribute of an element, and every namespace
+//! in scope, with each other.
 
 /// Elements inside elements, counted through includes.
 pub(super) const MAX_DEPTH: usize = 64;
 /// Attributes of one element; those of scenes have five at most.
 const MAX_ATTRIBUTES: usize = 64;
 
-/// The first element that is too much, by its first byte, and what is wrong with it. What is not well-formed is left
-/// to the parser: up to there this sees what it sees.
+/// The first element that is too much, by its first byte, and what is wrong with it. What is not
+/// well-formed is left to the parser: up to there this sees what it sees.
 pub(super) fn too_much(text: &str) -> Option<(usize, String)> {
     let bytes = text.as_bytes();
     let mut at = 0;

@@ -1,4 +1,5 @@
-//! Lines and columns of byte offsets, in time that does not grow with the file or with the length of its lines.
+//! Lines and columns of byte offsets, in time that does not grow with the file or with the length
+//! of its lines.
 
 /// Bytes between two offsets whose characters are counted beforehand.
 const STRIDE: usize = 256;
