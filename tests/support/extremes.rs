@@ -133,6 +133,10 @@ fn conductors() -> Vec<Point> {
         for (eta, k) in [(0.05, 9.0), (0.2, 3.5), (1.5, 0.01), (3.0, 3.0)] {
             points.push(vec![(cos, cos.min(0.1)), (eta, eta), (k, k)]);
         }
+        // The default of scenes, and what is close to it: nothing may cancel. And glass as a metal.
+        for (eta, k) in [(0.0, 1.0), (1e-4, 1.0), (0.0, 9.0), (1.5, 0.0)] {
+            points.push(vec![(cos, cos.min(0.1)), (eta, 0.1), (k, 0.1)]);
+        }
     }
     points
 }
