@@ -40,13 +40,21 @@ static inline unsigned JOIN(load, W)(RAY *ray, int *valid, const float *rays, un
     memset(&ray->mask, 0xff, size);
     memset(&ray->id, 0, size);
     memset(&ray->flags, 0, size);
-    /* Embree leaves NaN and infinite components undefined: such lanes are not asked, and so miss. */
+    /* Embree leaves NaN and numbers beyond LARGEST undefined, or stops the program where it was built with its
+     * assertions, as Debian's is: such lanes are not asked, and so miss. Its kernels for SSE 4.2 look at lanes that are
+     * not asked, too. */
     unsigned any = 0;
     for (unsigned i = 0; i < W; i++) {
         const float *f = rays + i;
-        float zero = 0.0f * f[0] + 0.0f * f[n] + 0.0f * f[2 * n] + 0.0f * f[3 * n] + 0.0f * f[4 * n] +
-                     0.0f * f[5 * n] + 0.0f * f[6 * n];
-        unsigned sound = (zero == 0.0f) & (f[7 * n] >= f[3 * n]);
+        unsigned sound = f[7 * n] >= f[3 * n];
+        for (unsigned c = 0; c < 7; c++) sound &= fabsf(f[c * n]) <= LARGEST;
+#if W > 1
+        if (!sound) {
+            float *lane = (float *)ray + i;
+            for (unsigned c = 0; c < 7; c++) lane[c * W] = 0.0f; /* origin, tnear, direction: Embree's first seven */
+            ray->tfar[i] = -1.0f;
+        }
+#endif
         valid[i] = -(int)(active >> (at + i) & sound);
         any |= (unsigned)valid[i];
     }

@@ -179,6 +179,9 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* As LARGEST in src/trace/packet.rs; just below Embree's own FLT_LARGE. */
+#define LARGEST 1.8e18f
+
 #define W 1
 #include "embree_packet.h"
 #undef W

@@ -19,9 +19,13 @@ pub const fn all_lanes<const N: usize>() -> u32 {
     if N >= 32 { u32::MAX } else { (1 << N) - 1 }
 }
 
+/// Larger components (other than `tfar`) are beyond what Embree can be asked about.
+pub const LARGEST: f32 = 1.8e18;
+
 /// `N` rays. Distances are in units of the direction's length, which need not be 1.
 ///
-/// A lane with a component (other than `tfar`) that is not finite, or with `tfar < tnear`, meets nothing.
+/// A lane with a component (other than `tfar`) that is beyond [`LARGEST`] or no number, or with `tfar < tnear`, meets
+/// nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Rays<const N: usize> {

@@ -1,6 +1,7 @@
 //! One ray, readied for boxes and triangles.
 
 use crate::trace::Rays;
+use crate::trace::packet::LARGEST;
 
 /// Direction components smaller than this divide as if they were this large, so that no plane is at infinity times
 /// zero.
@@ -45,13 +46,13 @@ impl Ray {
     }
 }
 
-/// Whether a lane can meet anything: it is finite, not empty, and has a direction.
+/// Whether a lane can meet anything: it is within reach, not empty, and has a direction.
 #[inline(always)]
 pub fn is_sound<const N: usize>(rays: &Rays<N>, i: usize) -> bool {
     let direction = [rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]];
     let rest = [rays.org_x[i], rays.org_y[i], rays.org_z[i], rays.tnear[i]];
-    let finite = rest.iter().chain(&direction).all(|x| x.is_finite());
-    finite && rays.tfar[i] >= rays.tnear[i] && direction != [0.0; 3]
+    let reaches = rest.iter().chain(&direction).all(|x| x.abs() <= LARGEST);
+    reaches && rays.tfar[i] >= rays.tnear[i] && direction != [0.0; 3]
 }
 
 /// The axis of the largest component.
