@@ -749,3 +749,38 @@ fn environment_maps_turn_and_scale() {
         with_files(&format!("{sky}{SENSOR}"), other, &[]).hash
     );
 }
+
+/// Mitsuba's RGB mode takes one value of an emitter's `spectrum` for equal energy at all wavelengths, which is reddish in
+/// sRGB; other slots take it for grey (checked with `mi.traverse` of Mitsuba 3.9.1).
+#[test]
+fn spectra_of_emitters_are_no_greys() {
+    let value = |inside: &str, key: &str| {
+        let scene = scene(inside);
+        let texture = scene.textures.iter().find(|t| t.key.ends_with(key));
+        texture.expect("a texture").texels[0]
+    };
+    let spectrum = |name: &str| format!("<spectrum name=\"{name}\" value=\"3\"/>");
+    let reddish = [3.614_381_8, 2.844_873, 2.726_748];
+    for (emitter, key) in [
+        ("<emitter type=\"constant\">RADIANCE</emitter>", "radiance"),
+        (
+            "<shape type=\"rectangle\"><emitter type=\"area\">RADIANCE</emitter></shape>",
+            "radiance",
+        ),
+        ("<emitter type=\"point\">INTENSITY</emitter>", "intensity"),
+        (
+            "<emitter type=\"directional\">IRRADIANCE</emitter>",
+            "irradiance",
+        ),
+    ] {
+        let emitter = emitter.replace(&key.to_uppercase(), &spectrum(key));
+        let got = value(&emitter, key);
+        let apart = (Vec3::from(got) - Vec3::from(reddish)).abs().max_element();
+        assert!(apart < 1e-5, "{emitter}: {got:?}");
+    }
+    let body = "<shape type=\"rectangle\"><bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"0.5\"/></bsdf></shape>";
+    assert_eq!(value(body, "reflectance"), [0.5; 3]);
+    let checks = "<shape type=\"rectangle\"><emitter type=\"area\"><texture name=\"radiance\" type=\"checkerboard\">\
+        <spectrum name=\"color0\" value=\"3\"/></texture></emitter></shape>";
+    assert_eq!(value(checks, "radiance"), [3.0; 3]);
+}

@@ -7,6 +7,9 @@ use std::cell::Cell;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Light of one unit at all wavelengths, in linear sRGB, as Mitsuba's RGB mode converts it.
+const EQUAL_ENERGY_SRGB: [f64; 3] = [1.204_793_9, 0.948_291, 0.908_916_06];
+
 /// All objects of a scene file and of what it includes; the root is object 0.
 #[derive(Debug)]
 pub(in crate::scene) struct Tree {
@@ -61,7 +64,7 @@ pub(in crate::scene) enum Value {
     String(String),
     /// `rgb` and `srgb`, linear.
     Rgb([f64; 3]),
-    /// A `spectrum` of one value: grey.
+    /// A `spectrum` of one value at all wavelengths.
     Grey(f64),
     Vector(DVec3),
     Transform(DAffine3),
@@ -227,10 +230,12 @@ impl Object {
         Ok(value.unwrap_or(DAffine3::IDENTITY))
     }
 
-    /// A colour without a texture: `rgb`, `srgb`, a plain `spectrum` or a `float`.
+    /// A colour without a texture: `rgb`, `srgb`, a plain `spectrum` or a `float`. A plain `spectrum` of an emitter
+    /// has equal energy at all wavelengths, of which the colour is not grey.
     pub fn colour(&self, name: &str) -> Result<Option<[f64; 3]>, SceneError> {
         self.get(name, "rgb", |v| match v {
             Value::Rgb(c) => Some(*c),
+            Value::Grey(g) if self.tag == "emitter" => Some(EQUAL_ENERGY_SRGB.map(|c| c * g)),
             Value::Grey(g) | Value::Float(g) => Some([*g; 3]),
             Value::Integer(i) => Some([*i as f64; 3]),
             _ => None,
