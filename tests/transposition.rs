@@ -8,7 +8,7 @@ mod common;
 use common::scenes::*;
 use common::shapes::Random;
 use common::transposition::{
-    all_parameters, difference, random_values, random_weight, rounding, transposed,
+    Sides, all_parameters, difference, random_values, random_weight, rounding, transposed,
 };
 use common::{Direction, dot, flat, gradient, pull_back, settings};
 use glam::{Vec3, vec3};
@@ -123,8 +123,13 @@ fn one_pass_for_all_vertices() {
             .flat_map(|(g, (_, v))| g.iter().zip(v));
         let terms: Vec<f64> = pairs.map(|(g, v)| f64::from(*g) * f64::from(*v)).collect();
         let magnitude: f64 = terms.iter().map(|t| t.abs()).sum();
-        let sides = [forward, terms.iter().sum(), rounding(3) * magnitude];
-        let wrong = difference(&format!("direction {turn}"), sides);
+        let sides = Sides {
+            forward,
+            reverse: terms.iter().sum(),
+            allowed: rounding(3) * magnitude,
+            rejected: 0,
+        };
+        let wrong = difference(&format!("direction {turn}"), &sides);
         assert!(wrong.is_none(), "{wrong:?}");
     }
 }

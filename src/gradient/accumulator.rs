@@ -1,10 +1,12 @@
 //! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
 
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::rays::lane_of;
 use crate::paths::texture::Lookup;
 use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// What reverse mode is asked for: which sums are worth the work.
 pub struct Wanted {
@@ -51,6 +53,30 @@ impl Wanted {
     /// Whether the mesh of a triangle is wanted.
     pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
         triangle != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
+    }
+}
+
+/// What a gradient belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Object {
+    Mesh(usize),
+    Texture(usize),
+    Camera,
+    Environment,
+}
+
+impl Wanted {
+    /// All objects that are wanted.
+    pub fn objects(&self) -> Vec<Object> {
+        let those = |wanted: &[bool]| {
+            let numbers = 0..wanted.len();
+            numbers.filter(|&i| wanted[i]).collect::<Vec<_>>()
+        };
+        let mut objects: Vec<Object> = those(&self.mesh).into_iter().map(Object::Mesh).collect();
+        objects.extend(those(&self.texels).into_iter().map(Object::Texture));
+        objects.extend(self.camera.then_some(Object::Camera));
+        objects.extend(self.environment.then_some(Object::Environment));
+        objects
     }
 }
 
@@ -102,6 +128,17 @@ pub struct CameraSum {
     pub tan_half_x_fov: f64,
 }
 
+impl CameraSum {
+    /// Adds cotangents of the origin, the axes and the tangent of half the opening angle.
+    pub fn add(&mut self, origin: DVec3, axes: [DVec3; 3], tan_half_x_fov: f64) {
+        self.origin += origin;
+        for (sum, bar) in self.axes.iter_mut().zip(axes) {
+            *sum += bar;
+        }
+        self.tan_half_x_fov += tan_half_x_fov;
+    }
+}
+
 /// The environment map's cotangents.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvironmentSum {
@@ -111,24 +148,30 @@ pub struct EnvironmentSum {
 
 /// Where one tile's sweep adds to. Its dense scratch is used again by the next tile.
 pub struct TileSums {
-    pub positions: SparseVectors,
-    pub normals: SparseVectors,
+    positions: SparseVectors,
+    normals: SparseVectors,
     /// Texels of all textures, one after another.
-    pub texels: SparseVectors,
+    texels: SparseVectors,
     /// The number of the first texel of each texture.
-    pub first_texel: Vec<u32>,
+    first_texel: Arc<[u32]>,
     pub camera: CameraSum,
     pub environment: EnvironmentSum,
     pub delta_lights: Vec<DVec3>,
     /// Per texture.
     pub to_uv: Vec<[f64; 6]>,
+    /// Terms that were left out because they were not finite.
+    not_finite: u64,
 }
 
 /// One tile's sums, ready to be added to the film's.
 pub struct TileGradient {
+    /// Terms that were left out because they were not finite.
+    pub not_finite: u64,
     positions: Vec<(u32, Vec3)>,
     normals: Vec<(u32, Vec3)>,
     texels: Vec<(u32, Vec3)>,
+    /// The number of the first texel of each texture.
+    first_texel: Arc<[u32]>,
     camera: CameraSum,
     environment: EnvironmentSum,
     delta_lights: Vec<DVec3>,
@@ -146,11 +189,47 @@ impl TileSums {
             } else {
                 0
             }),
-            first_texel: first_texels(scene),
+            first_texel: first_texels(scene).into(),
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
+            not_finite: 0,
+        }
+    }
+
+    /// Whether a term may be added: it is counted if it may not.
+    pub fn admits(&mut self, is_finite: bool) -> bool {
+        self.not_finite += u64::from(!is_finite);
+        is_finite
+    }
+
+    /// The vector if it may be added, in single precision too, else zero.
+    pub fn admitted(&mut self, v: DVec3) -> DVec3 {
+        if self.admits(v.as_vec3().is_finite()) {
+            v
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Sums a vector's lanes that `bits` selects, in f64.
+    pub fn over_lanes(&mut self, v: V3<Lane>, bits: u32) -> DVec3 {
+        let lanes = (0..LANES).filter(|&l| bits >> l & 1 == 1);
+        lanes.map(|l| self.admitted(lane_of(v, l).as_dvec3())).sum()
+    }
+
+    /// Adds to a vertex's position.
+    pub fn add_position(&mut self, vertex: u32, value: Vec3) {
+        if self.admits(value.is_finite()) {
+            self.positions.add(vertex, value);
+        }
+    }
+
+    /// Adds to a vertex's normal.
+    pub fn add_normal(&mut self, vertex: u32, value: Vec3) {
+        if self.admits(value.is_finite()) {
+            self.normals.add(vertex, value);
         }
     }
 
@@ -161,7 +240,7 @@ impl TileSums {
                 self.add_texel(wanted, texture, texel, bar * weight);
             }
         }
-        if wanted.to_uv[texture] && bar.is_finite() {
+        if wanted.to_uv[texture] && self.admits(bar.is_finite()) {
             let sum = &mut self.to_uv[texture];
             for (s, v) in sum.iter_mut().zip(found.to_uv_bar(bar)) {
                 *s += f64::from(v);
@@ -171,7 +250,7 @@ impl TileSums {
 
     /// Adds to a texel of a texture, if it is wanted.
     pub fn add_texel(&mut self, wanted: &Wanted, texture: usize, texel: u32, value: Vec3) {
-        if wanted.texels[texture] && value.is_finite() {
+        if wanted.texels[texture] && self.admits(value.is_finite()) {
             self.texels.add(self.first_texel[texture] + texel, value);
         }
     }
@@ -179,9 +258,11 @@ impl TileSums {
     /// Takes the tile's sums, leaving zeros.
     pub fn take(&mut self) -> TileGradient {
         TileGradient {
+            not_finite: std::mem::take(&mut self.not_finite),
             positions: self.positions.drain(),
             normals: self.normals.drain(),
             texels: self.texels.drain(),
+            first_texel: self.first_texel.clone(),
             camera: std::mem::take(&mut self.camera),
             environment: std::mem::take(&mut self.environment),
             to_uv: {
@@ -193,6 +274,40 @@ impl TileSums {
                 std::mem::replace(&mut self.delta_lights, zeros)
             },
         }
+    }
+}
+
+/// A direction that no scene has a reason to be aligned with.
+const ASKEW: DVec3 = DVec3::new(0.48, 0.6, 0.64);
+
+impl TileGradient {
+    /// One number of each object at a time: the derivative along a fixed change of all its numbers.
+    pub fn for_each_part(&self, geometry: &Geometry, mut each: impl FnMut(Object, f64)) {
+        let mut mesh = 0;
+        for &(v, value) in &self.positions {
+            let vertices = &geometry.first_vertex;
+            if !(vertices[mesh]..vertices[mesh + 1]).contains(&v) {
+                mesh = vertices.partition_point(|&first| first <= v) - 1;
+            }
+            each(Object::Mesh(mesh), value.as_dvec3().dot(ASKEW));
+        }
+        let mut texture = 0;
+        for &(texel, value) in &self.texels {
+            let texels = &self.first_texel;
+            if !(texels[texture]..texels[texture + 1]).contains(&texel) {
+                texture = texels.partition_point(|&first| first <= texel) - 1;
+            }
+            each(Object::Texture(texture), value.as_dvec3().dot(ASKEW));
+        }
+        let CameraSum {
+            origin,
+            axes,
+            tan_half_x_fov,
+        } = self.camera;
+        let camera = origin.dot(ASKEW) + axes.map(|a| a.dot(ASKEW)).iter().sum::<f64>();
+        each(Object::Camera, camera + tan_half_x_fov);
+        let environment = self.environment.rotation.dot(ASKEW) + self.environment.scale;
+        each(Object::Environment, environment);
     }
 }
 
@@ -239,11 +354,9 @@ impl FilmSums {
         for &(texel, value) in &tile.texels {
             self.texels[texel as usize] += value.as_dvec3();
         }
-        self.camera.origin += tile.camera.origin;
-        for (axis, value) in self.camera.axes.iter_mut().zip(tile.camera.axes) {
-            *axis += value;
-        }
-        self.camera.tan_half_x_fov += tile.camera.tan_half_x_fov;
+        let camera = &tile.camera;
+        self.camera
+            .add(camera.origin, camera.axes, camera.tan_half_x_fov);
         self.environment.rotation += tile.environment.rotation;
         self.environment.scale += tile.environment.scale;
         for (sum, value) in self.to_uv.iter_mut().zip(&tile.to_uv) {
@@ -253,6 +366,22 @@ impl FilmSums {
         }
         for (sum, value) in self.delta_lights.iter_mut().zip(&tile.delta_lights) {
             *sum += value;
+        }
+    }
+
+    /// Multiplies all sums.
+    pub fn scale(&mut self, factor: f64) {
+        let vectors = self.positions.iter_mut().chain(&mut self.normals);
+        let vectors = vectors
+            .chain(&mut self.texels)
+            .chain(&mut self.delta_lights);
+        for v in vectors.chain([&mut self.camera.origin, &mut self.environment.rotation]) {
+            *v *= factor;
+        }
+        self.camera.axes.iter_mut().for_each(|axis| *axis *= factor);
+        let numbers = self.to_uv.iter_mut().flatten();
+        for x in numbers.chain([&mut self.camera.tan_half_x_fov, &mut self.environment.scale]) {
+            *x *= factor;
         }
     }
 
@@ -323,13 +452,4 @@ fn first_texels(scene: &Scene) -> Vec<u32> {
         first.push(first[first.len() - 1] + texture.texels.len() as u32);
     }
     first
-}
-
-/// Sums a vector's lanes that `bits` selects, in f64.
-pub fn sum_lanes(v: V3<Lane>, bits: u32) -> DVec3 {
-    let (x, y, z) = (v.x.to_array(), v.y.to_array(), v.z.to_array());
-    (0..LANES)
-        .filter(|&l| bits >> l & 1 == 1)
-        .map(|l| DVec3::new(x[l] as f64, y[l] as f64, z[l] as f64))
-        .sum()
 }

@@ -9,11 +9,12 @@ use crate::kernels::interface::{
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
+use crate::paths::materials::LightKind;
 use crate::paths::store::{TileStore, Vertices, lane_mask, masked};
 use crate::paths::tracer::Tracer;
 use crate::scene::Rgb;
 
-type D = Dual<Lane>;
+pub(super) type D = Dual<Lane>;
 
 /// Runs tangent sweeps over a tile's store.
 pub struct ForwardSweep<'a> {
@@ -221,13 +222,14 @@ impl<'a> ForwardSweep<'a> {
         t.map(constant)
     }
 
-    /// π times the BSDF for light that arrives along `w`, of what light samples light.
-    pub(super) fn value_toward(&self, here: &MovingVertex, w: V3<D>) -> V3<D> {
+    /// π times the BSDF for light of this kind that arrives along `w`.
+    pub(super) fn value_toward(&self, here: &MovingVertex, w: V3<D>, light: LightKind) -> V3<D> {
         let Some(interface) = &here.interface else {
             return here.colour;
         };
         let cos_out = value_of(here.n).dot(value_of(w).normalize());
         let m = here.vertices.kinds.masks();
+        let [lit, lobes] = here.vertices.kinds.lit_by(light);
         let value = interface_value(
             here.n,
             here.direction,
@@ -236,13 +238,12 @@ impl<'a> ForwardSweep<'a> {
             self.transmission(here, cos_out),
             m.conductor,
             m.plastic,
-            m.wide,
+            lane_mask(lobes),
             m.smooth,
             m.ggx,
             m.nonlinear,
         );
-        let lit = lane_mask(here.vertices.kinds.lit_by_samples());
-        V3::select(lit, value, V3::splat(0.0))
+        V3::select(lane_mask(lit), value, V3::splat(0.0))
     }
 
     /// The next ray's direction, and what the path is multiplied with.

@@ -1,14 +1,14 @@
-//! The tangent sweep over light: emission that rays found, light samples, the sky, lights without an extent.
+//! The tangent sweep over light: emission that rays found, light samples, the sky.
 
-use super::forward::{Chain, ForwardSweep, MovingVertex, constant, range, value_of};
+use super::forward::{Chain, ForwardSweep, MovingVertex, constant, value_of};
 use super::motion::{dual_vector, tangent_of};
-use crate::kernels::light::{direction_irradiance, point_irradiance, triangle_irradiance};
+use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{Lane, Mask, Real, V3};
 use crate::paths::camera::splat;
-use crate::paths::materials::texture_at;
+use crate::paths::materials::{LightKind, texture_at};
 use crate::paths::rays::from_lanes;
-use crate::paths::store::{TileStore, Vertices, lane_mask, masked};
-use crate::scene::{DeltaLightKind, Rgb};
+use crate::paths::store::{Vertices, lane_mask};
+use crate::scene::Rgb;
 use glam::Vec3;
 
 impl ForwardSweep<'_> {
@@ -58,7 +58,7 @@ impl ForwardSweep<'_> {
             .sky_tangent(scene, environment, direction, turning);
         let irradiance = direction_irradiance(here.n, w) * constant(weight);
         let arrives = self
-            .value_toward(here, w)
+            .value_toward(here, w, LightKind::Sampled)
             .times(dual_vector(value, brighter))
             * irradiance;
         tangent_of(here.throughput.times(arrives))
@@ -90,7 +90,7 @@ impl ForwardSweep<'_> {
             let irradiance = triangle_irradiance(from.x, from.n, q0, q1, q2, b[0], b[1]);
             let y = q0 + (q1 - q0) * b[0] + (q2 - q0) * b[1];
             let radiance = dual_vector(value, self.emission_tangent(vertices, [zero; 2]));
-            let arrives = self.value_toward(from, y - from.x) * irradiance;
+            let arrives = self.value_toward(from, y - from.x, LightKind::Sampled) * irradiance;
             let all = from.throughput.times(arrives).times(radiance) * weight;
             sum = V3::select(lane_mask(vertices.sampled), tangent_of(all), sum);
         }
@@ -158,42 +158,12 @@ impl ForwardSweep<'_> {
             V3::splat(0.0)
         };
         let radiance = dual_vector(tracer.light_radiance(light), tangent);
-        let value = self.value_toward(here, y - here.x);
+        let value = self.value_toward(here, y - here.x, LightKind::Sampled);
         let arrives = value.times(radiance) * (irradiance * constant(light.weight));
         V3::select(
             lit,
             tangent_of(here.throughput.times(arrives)),
             V3::splat(0.0),
         )
-    }
-
-    /// Lights without an extent.
-    pub(super) fn delta_lights(&self, store: &TileStore, here: &MovingVertex) -> V3<Lane> {
-        let seen = &store.delta_visible[range(here.vertices.delta_lights)];
-        let mut sum = V3::splat(0.0);
-        let scene = self.tracer.scene;
-        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
-            if seen == 0 {
-                continue;
-            }
-            let still = |v: Vec3| dual_vector(splat(v), V3::splat(0.0));
-            let (w, irradiance) = match light.kind {
-                DeltaLightKind::Point { position } => {
-                    let p = dual_vector(splat(position), splat(self.motion.delta_lights[i]));
-                    (p - here.x, point_irradiance(here.x, here.n, p))
-                }
-                DeltaLightKind::Directional { direction } => {
-                    let w = still(-direction);
-                    (w, direction_irradiance(here.n, w))
-                }
-            };
-            let power = dual_vector(
-                splat(Vec3::from(scene.constant(light.power))),
-                splat(Vec3::from(self.motion.texel(light.power))),
-            );
-            let arrives = self.value_toward(here, w).times(power) * irradiance;
-            sum = sum + masked(seen, tangent_of(here.throughput.times(arrives)));
-        }
-        sum
     }
 }

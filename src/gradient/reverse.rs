@@ -4,7 +4,7 @@
 //! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
 //! texel or the camera is added to the tile's sums.
 
-use super::accumulator::{TileSums, Wanted, sum_lanes};
+use super::accumulator::{TileSums, Wanted};
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::interface::interface_bounce_adjoint;
@@ -138,19 +138,10 @@ impl ReverseSweep<'_> {
             let tan = Lane::splat(camera.tan_half_x_fov as f32);
             let (x, y, z, tan, _, _) =
                 camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
-            sums.camera.origin += sum_lanes(chain.origin, bits);
-            for (sum, bar) in sums.camera.axes.iter_mut().zip([x, y, z]) {
-                *sum += sum_lanes(bar, bits);
-            }
-            sums.camera.tan_half_x_fov += sum_lanes(
-                V3 {
-                    x: tan,
-                    y: tan,
-                    z: tan,
-                },
-                bits,
-            )
-            .x;
+            let origin = sums.over_lanes(chain.origin, bits);
+            let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
+            let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
+            sums.camera.add(origin, axes, tan);
         }
     }
 
@@ -253,7 +244,7 @@ impl ReverseSweep<'_> {
         let value_bar = masked(seen, radiance_bar.times(vertices.throughput));
         let texture = environment.radiance;
         let Some(map) = &environment.map else {
-            let sum = sum_lanes(value_bar, seen);
+            let sum = sums.over_lanes(value_bar, seen);
             sums.add_texel(self.wanted, texture, 0, sum.as_vec3());
             return;
         };
@@ -268,7 +259,7 @@ impl ReverseSweep<'_> {
             let [u, v] = found.by_uv.map(|by| by.dot(bar));
             let turn = found.by_direction[0] * u + found.by_direction[1] * v;
             direction_bar[lane] = turn;
-            if self.wanted.environment && turn.is_finite() && bar.is_finite() {
+            if self.wanted.environment && sums.admits(turn.is_finite() && bar.is_finite()) {
                 // The direction turns by −ω × d as the map sees it.
                 sums.environment.rotation -= d.cross(turn).as_dvec3();
                 sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);

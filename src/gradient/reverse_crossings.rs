@@ -91,7 +91,7 @@ impl ReverseSweep<'_> {
         for (&v, b) in ids.iter().zip(b) {
             self.scatter_vertex(v, d_bar * b, sums);
         }
-        finite(o_bar - d_bar)
+        sums.admitted(o_bar - d_bar).as_vec3()
     }
 
     fn bounce_crossing(
@@ -122,11 +122,12 @@ impl ReverseSweep<'_> {
             let (o_bar, d_bar) = side(d, sums);
             // The direction turns with the map by ω × d.
             let turn = d.cross(d_bar);
-            if self.wanted.environment && turn.is_finite() {
+            if self.wanted.environment {
+                let turn = sums.admitted(turn);
                 sums.environment.rotation += turn;
             }
             return LaneBars {
-                x: finite(o_bar),
+                x: sums.admitted(o_bar).as_vec3(),
                 ..LaneBars::default()
             };
         }
@@ -137,8 +138,8 @@ impl ReverseSweep<'_> {
                 let (o_bar, d_bar) = side(d, sums);
                 let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
                 return LaneBars {
-                    x: finite(o_bar),
-                    n: finite(dvec3(n_bar)),
+                    x: sums.admitted(o_bar).as_vec3(),
+                    n: sums.admitted(dvec3(n_bar)).as_vec3(),
                     ..LaneBars::default()
                 };
             }
@@ -175,12 +176,12 @@ impl ReverseSweep<'_> {
             entering,
             (vector(d_bar), no_weight),
         );
-        let eta = s_bar.eta.x as f32;
+        let eta = DVec3::new(s_bar.eta.x, 0.0, 0.0);
         LaneBars {
-            x: finite(o_bar),
-            n: finite(dvec3(n_bar)),
-            direction: finite(dvec3(direction_bar)),
-            eta: if eta.is_finite() { eta } else { 0.0 },
+            x: sums.admitted(o_bar).as_vec3(),
+            n: sums.admitted(dvec3(n_bar)).as_vec3(),
+            direction: sums.admitted(dvec3(direction_bar)).as_vec3(),
+            eta: sums.admitted(eta).x as f32,
         }
     }
 
@@ -203,28 +204,16 @@ impl ReverseSweep<'_> {
                 self.scatter_vertex(v, bar, sums);
             },
         );
-        if self.wanted.camera && o_bar.is_finite() && d_bar.is_finite() {
+        if self.wanted.camera && sums.admits(o_bar.is_finite() && d_bar.is_finite()) {
             let (px, py) = camera.film_to_camera(u, v);
             let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
             let (x, y, z, tan, _, _) =
                 camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
-            sums.camera.origin += o_bar;
-            for (sum, bar) in sums.camera.axes.iter_mut().zip([x, y, z]) {
-                *sum += dvec3(bar);
-            }
-            sums.camera.tan_half_x_fov += tan;
+            sums.camera.add(o_bar, [x, y, z].map(dvec3), tan);
         }
     }
 }
 
 fn side_bar(bar: Vec3, radiance_per_side: Rgb) -> f64 {
     bar.as_dvec3().dot(Vec3::from(radiance_per_side).as_dvec3())
-}
-
-fn finite(v: DVec3) -> Vec3 {
-    if v.is_finite() {
-        v.as_vec3()
-    } else {
-        Vec3::ZERO
-    }
 }

@@ -1,32 +1,28 @@
-//! The adjoint sweep over light: emission that rays found, light samples, lights without an extent.
+//! The adjoint sweep over light: emission that rays found, light samples, the sky.
 
 use super::accumulator::TileSums;
-use super::forward::range;
 use super::reverse::{ReverseSweep, Solved, VertexBars};
 use crate::adjoint::interface::interface_value_adjoint;
-use crate::adjoint::light::{
-    direction_irradiance_adjoint, point_irradiance_adjoint, triangle_irradiance_adjoint,
-};
+use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
 use crate::kernels::interface::interface_value;
-use crate::kernels::light::{direction_irradiance, point_irradiance, triangle_irradiance};
+use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
-use crate::paths::camera::splat;
 use crate::paths::environment as sky;
-use crate::paths::materials::texture_at;
+use crate::paths::materials::{LightKind, texture_at};
 use crate::paths::rays::lane_of;
-use crate::paths::store::{TileStore, masked};
-use crate::scene::DeltaLightKind;
+use crate::paths::store::{lane_mask, masked};
 use crate::trace::geometry::gather;
 use glam::Vec3;
 
 impl ReverseSweep<'_> {
-    /// π times the BSDF toward `w`, of what light samples light.
-    fn value_toward(&self, here: &Solved, w: V3<Lane>) -> V3<Lane> {
+    /// π times the BSDF toward `w`, of what this kind of light lights.
+    pub(super) fn value_toward(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
             return vertices.colour;
         };
         let m = vertices.kinds.masks();
+        let [lit, lobes] = vertices.kinds.lit_by(light);
         let value = interface_value(
             here.n,
             vertices.direction,
@@ -35,19 +31,20 @@ impl ReverseSweep<'_> {
             self.transmission(here, here.n.dot(w.normalize())),
             m.conductor,
             m.plastic,
-            m.wide,
+            lane_mask(lobes),
             m.smooth,
             m.ggx,
             m.nonlinear,
         );
-        masked(vertices.kinds.lit_by_samples(), value)
+        masked(lit, value)
     }
 
     /// Adds to the cotangents of the vertex in the lanes of `bits`, and returns that of `w`.
-    fn value_adjoint(
+    pub(super) fn value_adjoint(
         &self,
         here: &Solved,
         w: V3<Lane>,
+        light: LightKind,
         bits: u32,
         value_bar: V3<Lane>,
         bars: &mut VertexBars,
@@ -57,7 +54,8 @@ impl ReverseSweep<'_> {
             bars.interface.colour = bars.interface.colour + masked(bits, value_bar);
             return V3::splat(0.0);
         };
-        let bits = bits & vertices.kinds.lit_by_samples();
+        let [lit, lobes] = vertices.kinds.lit_by(light);
+        let bits = bits & lit;
         let m = vertices.kinds.masks();
         let (n, direction, w_bar, s, _) = interface_value_adjoint(
             here.n,
@@ -67,7 +65,7 @@ impl ReverseSweep<'_> {
             self.transmission(here, here.n.dot(w.normalize())),
             m.conductor,
             m.plastic,
-            m.wide,
+            lane_mask(lobes),
             m.smooth,
             m.ggx,
             m.nonlinear,
@@ -110,7 +108,7 @@ impl ReverseSweep<'_> {
             let [b1, b2] = here.b;
             let irradiance = triangle_irradiance(from.x, from.n, q0, q1, q2, b1, b2);
             let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - from.x;
-            let value = self.value_toward(from, w);
+            let value = self.value_toward(from, w, LightKind::Sampled);
             let brings = weighted.times(emitted) * irradiance;
             earlier.throughput = earlier.throughput + masked(sampled, brings.times(value));
             emitted_bar = emitted_bar
@@ -119,7 +117,8 @@ impl ReverseSweep<'_> {
                     weighted.times(throughput).times(value) * irradiance,
                 );
             let value_bar = brings.times(throughput);
-            let w_bar = self.value_adjoint(from, w, sampled, value_bar, earlier);
+            let w_bar =
+                self.value_adjoint(from, w, LightKind::Sampled, sampled, value_bar, earlier);
             if self.wanted.attached() {
                 let all = weighted.times(emitted).times(throughput).times(value);
                 let (x, n, v0, v1, v2, _, _) = triangle_irradiance_adjoint(
@@ -243,7 +242,14 @@ impl ReverseSweep<'_> {
             tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
         let [q0, q1, q2] = gather(&ids, |v, _| tracer.geometry.positions[v as usize]);
         let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - here.x;
-        let w_bar = self.value_adjoint(here, w, bits, path.times(emitted) * scale, bars);
+        let w_bar = self.value_adjoint(
+            here,
+            w,
+            LightKind::Sampled,
+            bits,
+            path.times(emitted) * scale,
+            bars,
+        );
         if !self.wanted.attached() {
             return;
         }
@@ -290,7 +296,7 @@ impl ReverseSweep<'_> {
             return;
         }
         let irradiance = direction_irradiance(here.n, direction);
-        let value = self.value_toward(here, direction);
+        let value = self.value_toward(here, direction, LightKind::Sampled);
         let radiance = self.tracer.environment_radiance(environment, direction);
         let scaled = masked(bits, radiance_bar * weight);
         let throughput = here.vertices.throughput;
@@ -307,13 +313,14 @@ impl ReverseSweep<'_> {
                 for (&texel, weight) in found.texels.iter().zip(found.weights) {
                     sums.add_texel(self.wanted, texture, texel, bar * weight);
                 }
-                if self.wanted.environment && bar.is_finite() {
+                if self.wanted.environment && sums.admits(bar.is_finite()) {
                     sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);
                 }
             }
         }
         let value_bar = path.times(radiance) * irradiance;
-        let mut w_bar = self.value_adjoint(here, direction, bits, value_bar, bars);
+        let mut w_bar =
+            self.value_adjoint(here, direction, LightKind::Sampled, bits, value_bar, bars);
         let all = path.times(radiance).times(value);
         let irradiance_bar = all.x + all.y + all.z;
         let (n, w) = direction_irradiance_adjoint(here.n, direction, irradiance_bar);
@@ -321,64 +328,8 @@ impl ReverseSweep<'_> {
         w_bar = w_bar + masked(bits, w);
         if self.wanted.environment {
             // ω turns the direction by ω × d.
-            let turn = super::accumulator::sum_lanes(direction.cross(w_bar), bits);
-            if turn.is_finite() {
-                sums.environment.rotation += turn;
-            }
-        }
-    }
-
-    /// Lights without an extent.
-    pub(super) fn delta_lights(
-        &self,
-        store: &TileStore,
-        here: &Solved,
-        radiance_bar: V3<Lane>,
-        bars: &mut VertexBars,
-        sums: &mut TileSums,
-    ) {
-        let scene = self.tracer.scene;
-        let seen = &store.delta_visible[range(here.vertices.delta_lights)];
-        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
-            if seen == 0 {
-                continue;
-            }
-            let (w, irradiance) = match light.kind {
-                DeltaLightKind::Point { position } => {
-                    let p = splat(position);
-                    (p - here.x, point_irradiance(here.x, here.n, p))
-                }
-                DeltaLightKind::Directional { direction } => {
-                    let w = splat(-direction);
-                    (w, direction_irradiance(here.n, w))
-                }
-            };
-            let power = splat(Vec3::from(scene.constant(light.power)));
-            let value = self.value_toward(here, w);
-            let own = masked(seen, radiance_bar.times(value).times(power) * irradiance);
-            bars.throughput = bars.throughput + own;
-            let path = masked(seen, radiance_bar.times(here.vertices.throughput));
-            let power_bar = super::accumulator::sum_lanes(path.times(value) * irradiance, seen);
-            sums.add_texel(self.wanted, light.power, 0, power_bar.as_vec3());
-            let w_bar = self.value_adjoint(here, w, seen, path.times(power) * irradiance, bars);
-            let all = path.times(value).times(power);
-            let irradiance_bar = all.x + all.y + all.z;
-            match light.kind {
-                DeltaLightKind::Point { position } => {
-                    let p = splat(position);
-                    let (x, n, p) = point_irradiance_adjoint(here.x, here.n, p, irradiance_bar);
-                    bars.x = bars.x + masked(seen, x - w_bar);
-                    bars.n = bars.n + masked(seen, n);
-                    let moved = super::accumulator::sum_lanes(p + w_bar, seen);
-                    if moved.is_finite() {
-                        sums.delta_lights[i] += moved;
-                    }
-                }
-                DeltaLightKind::Directional { .. } => {
-                    let (n, _) = direction_irradiance_adjoint(here.n, w, irradiance_bar);
-                    bars.n = bars.n + masked(seen, n);
-                }
-            }
+            let turn = sums.over_lanes(direction.cross(w_bar), bits);
+            sums.environment.rotation += turn;
         }
     }
 }

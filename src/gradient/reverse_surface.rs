@@ -135,9 +135,7 @@ impl ReverseSweep<'_> {
             if self.wanted.moves(self.tracer.geometry, triangle[lane]) {
                 for (bar, &v) in bars.iter().zip(&ids[lane]) {
                     let value = Vec3::new(bar[0][lane], bar[1][lane], bar[2][lane]);
-                    if value.is_finite() {
-                        sums.positions.add(v, value);
-                    }
+                    sums.add_position(v, value);
                 }
             }
         }
@@ -151,10 +149,7 @@ impl ReverseSweep<'_> {
                 .moves(self.tracer.geometry, vertices.triangle[lane])
             {
                 for (bar, &v) in bars.iter().zip(&here.ids[lane]) {
-                    let value = lane_of(*bar, lane);
-                    if value.is_finite() {
-                        sums.normals.add(v, value);
-                    }
+                    sums.add_normal(v, lane_of(*bar, lane));
                 }
             }
         }
@@ -168,8 +163,8 @@ impl ReverseSweep<'_> {
             .first_vertex
             .partition_point(|&f| f <= vertex)
             - 1;
-        if self.wanted.mesh[mesh] && bar.is_finite() {
-            sums.positions.add(vertex, bar.as_vec3());
+        if self.wanted.mesh[mesh] {
+            sums.add_position(vertex, bar.as_vec3());
         }
     }
 }

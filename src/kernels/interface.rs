@@ -126,13 +126,15 @@ pub fn interface_value<F: Real>(
         fresnel_conductor(cos_half, s.eta.y, s.k.y),
         fresnel_conductor(cos_half, s.eta.z, s.k.z),
     );
-    let glass = s.second * fresnel_dielectric(cos_half, s.eta.x);
+    // Metals have no use for it, and where it is zero what is not selected would not be finite.
+    let dense = F::select(is_conductor, F::splat(1.5), s.eta.x);
+    let glass = s.second * fresnel_dielectric(cos_half, dense);
     let specular = V3::select(is_conductor, s.colour.times(metal), glass) * shape;
     let below = below_dielectric(
         cos_in,
         cos_out,
         s.colour,
-        s.eta.x,
+        dense,
         s.alpha,
         t,
         is_smooth,
@@ -142,6 +144,60 @@ pub fn interface_value<F: Real>(
     let none = V3::splat(0.0);
     let lobes = V3::select(has_lobe, specular, none) + V3::select(is_conductor, none, diffuse);
     V3::select(is_above, lobes, none)
+}
+
+/// What rough glass sends against `direction`, the ray that arrived from the camera's side, of a beam of unit irradiance
+/// (across it) that comes from `w` (not a unit vector), on either side of the unit normal `n`: the BSDF times the cosine.
+///
+/// Walter et al. 2007, eqs. 20 and 21, with half vectors by eqs. 13 and 16. The length of the latter is the
+/// denominator of eq. 21. Radiance that crosses into a denser medium is squeezed as in [`interface_bounce`], so that the
+/// squared ratio of indices in eq. 21 is gone.
+///
+/// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9
+#[allow(clippy::too_many_arguments)] // An interface is that many.
+pub fn glass_toward<F: Real>(
+    n: V3<F>,
+    direction: V3<F>,
+    w: V3<F>,
+    s: Interface<F>,
+    is_glass: F::Mask,
+    is_ggx: F::Mask,
+    is_entering: F::Mask,
+) -> V3<F> {
+    let zero = F::splat(0.0);
+    let one = F::splat(1.0);
+    let tiny = F::splat(1e-6);
+    let wi = -direction.normalize();
+    let wo = w.normalize();
+    let cos_in = n.dot(wi).max(tiny);
+    let cos_w = n.dot(wo);
+    let is_through = cos_w.lt(zero);
+    let cos_out = cos_w.abs().max(tiny);
+    let dense = F::select(is_glass, s.eta.x, F::splat(1.5));
+    let ratio = F::select(is_entering, dense, one / dense);
+    let bent = F::select(is_through, ratio, one);
+    let sum = wi + wo * bent;
+    let length2 = sum.dot(sum);
+    // Light that goes straight on through what does not bend it has no half vector.
+    let has_half = length2.gt(F::splat(1e-12));
+    let length = F::select(has_half, length2, one).sqrt();
+    let any = sum * (one / length);
+    let h = any * n.dot(any).signum();
+    let cos_half = wi.dot(h);
+    let beyond = wo.dot(h) * F::select(is_through, -one, one);
+    let meets = cos_half.gt(tiny) & beyond.gt(tiny) & has_half;
+    let cos_facet = F::select(meets, cos_half, one);
+    let across = n.cross(h);
+    let sin2 = across.dot(across);
+    let density = facet_density(one - sin2, sin2, s.alpha, is_ggx);
+    let hidden = unhidden_over_cos(cos_in, s.alpha, is_ggx)
+        * (cos_out * unhidden_over_cos(cos_out, s.alpha, is_ggx));
+    let shape = density * hidden;
+    let mirror = fresnel_dielectric(cos_facet, ratio);
+    let reflection = s.colour * (shape * mirror * F::splat(0.25));
+    let squeezed = shape * (one - mirror) * (cos_facet * beyond / (length * length));
+    let sent = V3::select(is_through, s.second * squeezed, reflection);
+    V3::select(meets & is_glass, sent, V3::splat(0.0))
 }
 
 /// The next direction (unit) and what the path is multiplied with, per unit of the coordinate's measure: solid angle

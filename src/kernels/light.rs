@@ -37,6 +37,14 @@ pub fn point_irradiance<F: Real>(x: V3<F>, n: V3<F>, p: V3<F>) -> F {
     cos / (r2 * r2.sqrt() * F::splat(std::f64::consts::PI))
 }
 
+/// Irradiance across the beam at `x`, from a point at `p` of unit intensity.
+///
+/// inputs: x -1..-0.5, p 0.5..1
+pub fn point_falloff<F: Real>(x: V3<F>, p: V3<F>) -> F {
+    let w = p - x;
+    F::splat(1.0) / w.dot(w)
+}
+
 /// Irradiance over π with unit normal `n`, of light whose beam comes from the unit direction `w`.
 ///
 /// inputs: 0.3..0.9

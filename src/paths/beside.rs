@@ -1,6 +1,6 @@
 //! What is seen beside silhouettes, and on the two sides of edges within what is seen.
 
-use super::direct::toward;
+use super::delta_lights::toward;
 use super::random::Stream;
 use super::rays::RayPacket;
 use super::store::{TileStore, Vertices, lane_mask};

@@ -151,7 +151,7 @@ impl Finder<'_> {
         let throughput = lane_of(self.vertices.throughput, lane).as_dvec3();
         let radiance = throughput * value * jump * (weight * survival / chance);
         if !radiance.is_finite() {
-            self.counts.not_finite += 1;
+            self.counts.boundary_not_finite += 1;
             return;
         }
         self.out.push(BounceCrossing {

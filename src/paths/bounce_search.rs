@@ -326,7 +326,7 @@ impl Finder<'_> {
                 let jump = (before - after) * found.crossing.count;
                 let is_hidden = found.crossing.is_hidden(seen);
                 if !jump.is_finite() {
-                    self.counts.not_finite += 1;
+                    self.counts.boundary_not_finite += 1;
                 } else if jump != DVec3::ZERO && !is_hidden {
                     on_line.met.push(Met {
                         boundary: found.crossing.boundary,

@@ -1,4 +1,4 @@
-//! Light samples: what area lights and lights without an extent bring to a vertex.
+//! Light samples: what area lights bring to a vertex.
 //!
 //! At every vertex the light that arrives from area lights is an integral over the lights' own surface
 //! (`kernels::light`), estimated by light samples and by bounces that happen to end on a light, combined by the
@@ -7,18 +7,18 @@
 //! freezing them where strategies move differently). Narrow lobes do not take part: see `paths::materials`.
 
 use super::light_cells::{self, Lines};
-use super::materials::texture_at;
+use super::materials::{LightKind, texture_at};
 use super::random::Stream;
 use super::rays::{RayPacket, SHADOW_FAR, from_lanes, leave, to_rays};
 use super::store::{LightSamples, TileStore, Vertices, lane_mask, masked};
 use super::surface::Surface;
 use super::tracer::{Counts, Tracer};
-use crate::kernels::light::{direction_irradiance, point_irradiance, triangle_irradiance};
+use crate::kernels::light::triangle_irradiance;
 use crate::kernels::normal::face_normal;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::camera::splat;
-use crate::scene::{DeltaLight, DeltaLightKind, Layout, Rgb};
+use crate::scene::{Layout, Rgb};
 use crate::trace::Coherence;
 use crate::trace::geometry::gather;
 use glam::Vec3;
@@ -55,7 +55,7 @@ impl Tracer<'_> {
             & over_cos.gt(zero)
             & irradiance.gt(zero);
         let weight = <Lane as Real>::select(emits, weight * scale * from.survival, zero);
-        let value = self.value_toward(from, surface, d) * irradiance;
+        let value = self.value_toward(from, surface, d, LightKind::Sampled) * irradiance;
         (weight, masked(emits.to_bits(), value))
     }
 
@@ -113,7 +113,10 @@ impl Tracer<'_> {
             r: Lane::new(r),
             weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
             irradiance: <Lane as Real>::select(lit, irradiance, zero),
-            value: masked(lit.to_bits(), self.value_toward(vertices, surface, w)),
+            value: masked(
+                lit.to_bits(),
+                self.value_toward(vertices, surface, w, LightKind::Sampled),
+            ),
         };
         if let Some(adjacency) = self.adjacency {
             let [s, r] = drawn;
@@ -187,7 +190,7 @@ impl Tracer<'_> {
         self.unblocked(origin, y - origin, SHADOW_FAR, active, counts)
     }
 
-    fn unblocked(
+    pub(super) fn unblocked(
         &self,
         origin: V3<Lane>,
         direction: V3<Lane>,
@@ -210,50 +213,6 @@ impl Tracer<'_> {
             & !self
                 .accel
                 .occluded(&to_rays(&rays), active, Coherence::Incoherent)
-    }
-
-    /// Looks at every light without an extent.
-    pub fn see_delta_lights(
-        &self,
-        vertices: &mut Vertices,
-        surface: &Surface,
-        counts: &mut Counts,
-        store: &mut TileStore,
-    ) {
-        let lit = vertices.hit & vertices.kinds.lit_by_samples() & !self.reflects_nothing(vertices);
-        let first = store.delta_visible.len() as u32;
-        for light in &self.scene.delta_lights {
-            let (w, far) = toward(light, surface.x);
-            let above = surface.n.dot(w).gt(Lane::splat(0.0)).to_bits();
-            let origin = leave(surface.x, surface.geometric, w);
-            let seen = self.unblocked(origin, w, far, lit & above, counts);
-            store.delta_visible.push(seen);
-        }
-        vertices.delta_lights = [first, store.delta_visible.len() as u32];
-    }
-
-    /// Radiance that lights without an extent bring, before the throughput.
-    pub fn delta_light(&self, vertices: &Vertices, surface: &Surface, visible: &[u32]) -> V3<Lane> {
-        let mut sum = V3::splat(0.0);
-        for (light, &seen) in self.scene.delta_lights.iter().zip(visible) {
-            if seen == 0 {
-                continue;
-            }
-            let (w, irradiance) = match light.kind {
-                DeltaLightKind::Point { position } => {
-                    let p = splat(position);
-                    (p - surface.x, point_irradiance(surface.x, surface.n, p))
-                }
-                DeltaLightKind::Directional { direction } => {
-                    let w = splat(-direction);
-                    (w, direction_irradiance(surface.n, w))
-                }
-            };
-            let power = splat(Vec3::from(self.scene.constant(light.power)));
-            let value = self.value_toward(vertices, surface, w);
-            sum = sum + masked(seen, value.times(power) * irradiance);
-        }
-        sum
     }
 
     /// Radiance emitted toward where the ray came from, of each lane's triangle.
@@ -324,13 +283,5 @@ impl Tracer<'_> {
         let light = &vertices.light;
         let value = self.light_radiance(light) * (light.irradiance * light.weight);
         V3::select(lit, value.times(light.value), V3::splat(0.0))
-    }
-}
-
-/// The way from `x` to a light without an extent, and how much of it shadow rays go.
-pub fn toward(light: &DeltaLight, x: V3<Lane>) -> (V3<Lane>, f32) {
-    match light.kind {
-        DeltaLightKind::Point { position } => (splat(position) - x, SHADOW_FAR),
-        DeltaLightKind::Directional { direction } => (splat(-direction), f32::INFINITY),
     }
 }

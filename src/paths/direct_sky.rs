@@ -1,5 +1,6 @@
 //! Light samples of an environment map; see `paths::direct` and `paths::sky`.
 
+use super::materials::LightKind;
 use super::random::Stream;
 use super::rays::{RayPacket, from_lanes, lane_of, leave, to_rays};
 use super::sky::Sky;
@@ -69,7 +70,10 @@ impl Tracer<'_> {
             direction,
             weight: <Lane as Real>::select(lane_mask(active & !blocked), weight, zero),
             irradiance: direction_irradiance(surface.n, direction),
-            value: masked(active, self.value_toward(vertices, surface, direction)),
+            value: masked(
+                active,
+                self.value_toward(vertices, surface, direction, LightKind::Sampled),
+            ),
         });
         if let (Some(adjacency), Some(environment)) = (self.adjacency, &self.scene.environment) {
             let (place, jitter) = stream.pair(index, pairs + 1);
@@ -132,7 +136,8 @@ impl Tracer<'_> {
         let zero = Lane::splat(0.0);
         let counts = lane_mask(escaped) & bounce.gt(zero);
         let weight = bounce / (bounce * bounce + light * light) * from.survival;
-        let value = self.value_toward(from, surface, d) * direction_irradiance(surface.n, d);
+        let value = self.value_toward(from, surface, d, LightKind::Sampled)
+            * direction_irradiance(surface.n, d);
         (
             <Lane as Real>::select(counts, weight, zero),
             masked(counts.to_bits(), value),

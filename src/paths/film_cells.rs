@@ -256,7 +256,7 @@ fn probe<'a>(
             let jump: Rgb =
                 std::array::from_fn(|c| (before[c] - after[c]) * candidate.crossing.count as f32);
             let is_finite = jump.iter().all(|j| j.is_finite());
-            counts.not_finite += !is_finite as u64;
+            counts.boundary_not_finite += !is_finite as u64;
             let [u, v] = candidate.at;
             let line = candidate.cell.line;
             let seen = [seen[2 * i], seen[2 * i + 1]];

@@ -11,6 +11,7 @@
 //! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
 //! spacing of the points may be missed, and is weighed for that (`super::shadow_draws`).
 
+use super::materials::LightKind;
 use super::moving::Sector;
 use super::occluders::{OccluderEnd, SurfacePoint, follow_occluders};
 use super::random::Stream;
@@ -367,7 +368,12 @@ impl LightLine<'_> {
         let radiance = Vec3::from(tracer.patch_radiance(self.patch, s, r));
         let value = if surface.interface.is_some() {
             let w = patch.point(s, r) - lane_of(surface.x, lane);
-            let all = tracer.value_toward(vertices, surface, from_lanes(&[w; LANES]));
+            let all = tracer.value_toward(
+                vertices,
+                surface,
+                from_lanes(&[w; LANES]),
+                LightKind::Sampled,
+            );
             lane_of(all, lane)
         } else {
             lane_of(vertices.colour, lane)

@@ -24,6 +24,15 @@ const NONE: u32 = u32::MAX;
 /// (METHODS §1.4's threshold, there between kernels and convolutions).
 const WIDE_ALPHA: f32 = 0.15;
 
+/// Where light comes from that a vertex looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightKind {
+    /// Samples of area lights and of the environment: narrow lobes see these along bounces instead.
+    Sampled,
+    /// Lights without an extent, which no bounce finds.
+    Delta,
+}
+
 /// The kinds of a packet's surfaces, a bit a lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kinds {
@@ -47,6 +56,30 @@ impl Kinds {
     /// Lanes that need more than a diffuse reflectance.
     pub fn special(&self) -> u32 {
         self.conductor | self.dielectric | self.plastic | self.null
+    }
+
+    /// Lanes with a lobe too narrow for light samples: lights are seen in it along bounces alone.
+    pub fn seen_along_bounces(&self) -> u32 {
+        self.special() & !self.wide
+    }
+
+    /// Lanes that lights without an extent light otherwise than through [`Self::rough_glass`]: all that are not
+    /// perfectly smooth.
+    pub fn lit_by_delta_lights(&self) -> u32 {
+        !(self.dielectric | self.null | (self.conductor & self.smooth))
+    }
+
+    /// Lanes of rough glass.
+    pub fn rough_glass(&self) -> u32 {
+        self.dielectric & !self.smooth
+    }
+
+    /// What of each lane `light` lights: diffuse reflection and the lobes in the second mask.
+    pub fn lit_by(&self, light: LightKind) -> [u32; 2] {
+        match light {
+            LightKind::Sampled => [self.lit_by_samples(), self.wide],
+            LightKind::Delta => [self.lit_by_delta_lights(), !self.smooth],
+        }
     }
 
     /// Lanes that scatter diffusely, or have a lobe, so that light samples light them.
@@ -385,7 +418,6 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
 pub struct KindMasks<M> {
     pub conductor: M,
     pub plastic: M,
-    pub wide: M,
     pub smooth: M,
     pub ggx: M,
     pub nonlinear: M,
@@ -398,7 +430,6 @@ impl Kinds {
         KindMasks {
             conductor: lane_mask(self.conductor),
             plastic: lane_mask(self.plastic),
-            wide: lane_mask(self.wide),
             smooth: lane_mask(self.smooth),
             ggx: lane_mask(self.ggx),
             nonlinear: lane_mask(self.nonlinear),

@@ -7,6 +7,7 @@ pub mod bounce_lines;
 mod bounce_search;
 mod bounce_surfaces;
 pub mod camera;
+pub mod delta_lights;
 pub mod direct;
 pub mod direct_sky;
 pub mod environment;

@@ -4,6 +4,7 @@
 
 use super::bounce_cells::BounceCrossing;
 use super::bounce_lines::{above_horizon, line_weight};
+use super::materials::LightKind;
 use super::moving::Sector;
 use super::occluders::{SurfacePoint, shadow_edges};
 use super::random::Stream;
@@ -248,7 +249,9 @@ impl Finder<'_> {
         let per_side = line_weight(self.sky.poles(), line.axis, c, d)? * line.inverse_density;
         let cos = lane_of(self.surface.n, lane).as_dvec3().dot(d).max(0.0);
         let w = from_lanes(&[d.as_vec3(); LANES]);
-        let value = self.tracer.value_toward(self.vertices, self.surface, w);
+        let value = self
+            .tracer
+            .value_toward(self.vertices, self.surface, w, LightKind::Sampled);
         let radiance = self.tracer.environment_radiance(self.environment, w);
         let colour = lane_of(self.vertices.throughput, lane)
             * lane_of(value, lane)
@@ -257,7 +260,7 @@ impl Finder<'_> {
         let scale = 2.0 * weight * per_side * cos * FRAC_1_PI;
         let brings = colour.as_dvec3() * scale;
         if !brings.is_finite() {
-            self.counts.not_finite += 1;
+            self.counts.boundary_not_finite += 1;
             return None;
         }
         Some(BounceCrossing {

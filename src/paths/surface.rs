@@ -1,7 +1,8 @@
 //! Where rays end: positions, normals, and what is there.
 
+use super::materials::LightKind;
 use super::rays::lane_of;
-use super::store::{Vertices, lane_mask};
+use super::store::{Vertices, lane_mask, masked};
 use super::tracer::Tracer;
 use crate::kernels::interface::{Interface, RoughTransmission, consistent_normal, interface_value};
 use crate::kernels::normal::{face_normal, shading_normal};
@@ -138,13 +139,20 @@ impl Tracer<'_> {
         )
     }
 
-    /// π times the BSDF for light that arrives along `w`, of what light samples light.
-    pub fn value_toward(&self, vertices: &Vertices, surface: &Surface, w: V3<Lane>) -> V3<Lane> {
+    /// π times the BSDF for light of this kind that arrives along `w`.
+    pub fn value_toward(
+        &self,
+        vertices: &Vertices,
+        surface: &Surface,
+        w: V3<Lane>,
+        light: LightKind,
+    ) -> V3<Lane> {
         let Some(interface) = &surface.interface else {
             return vertices.colour;
         };
         let cos_out = surface.n.dot(w.normalize());
         let m = vertices.kinds.masks();
+        let [lit, lobes] = vertices.kinds.lit_by(light);
         let value = interface_value(
             surface.n,
             vertices.direction,
@@ -153,16 +161,12 @@ impl Tracer<'_> {
             self.transmission(vertices, surface, cos_out),
             m.conductor,
             m.plastic,
-            m.wide,
+            lane_mask(lobes),
             m.smooth,
             m.ggx,
             m.nonlinear,
         );
-        V3::select(
-            lane_mask(vertices.kinds.lit_by_samples()),
-            value,
-            V3::splat(0.0),
-        )
+        masked(lit, value)
     }
 
     /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were not.

@@ -51,8 +51,12 @@ pub struct Counts {
     pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,
-    /// Samples dropped because they were not finite.
+    /// Samples of the image left out because they were not finite.
     pub not_finite: u64,
+    /// Borders left out because what jumps there was not finite.
+    pub boundary_not_finite: u64,
+    /// Terms of the gradient left out because they were not finite.
+    pub gradient_not_finite: u64,
 }
 
 impl Counts {
@@ -80,6 +84,8 @@ impl std::ops::AddAssign for Counts {
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
         self.not_finite += o.not_finite;
+        self.boundary_not_finite += o.boundary_not_finite;
+        self.gradient_not_finite += o.gradient_not_finite;
     }
 }
 
@@ -190,7 +196,7 @@ impl Tracer<'_> {
                 let goes_on = segments < self.limits.max_depth;
                 let has_lights = !self.lights.is_empty();
                 // Lights are seen in narrow lobes only along bounces.
-                let narrow = vertices.hit & !vertices.kinds.lit_by_samples();
+                let narrow = vertices.hit & vertices.kinds.seen_along_bounces();
                 let looks_for_light = has_lights && narrow != 0;
                 let bounces = goes_on || self.scene.environment.is_some() || looks_for_light;
                 let base = depth * PAIRS_PER_VERTEX;

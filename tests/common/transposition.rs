@@ -2,7 +2,7 @@
 
 use super::shapes::Random;
 use super::{Direction, Quiet, dot, flat, settings};
-use warpath::methods::{Image, Method, Objective, Settings, backward, forward};
+use warpath::methods::{Image, Method, Objective, Prepared, Settings, Statistics};
 use warpath::scene::parameters::{self, Parameter};
 use warpath::scene::{Scene, SceneDifferential};
 
@@ -67,17 +67,40 @@ fn numbers(d: &SceneDifferential) -> impl Iterator<Item = f64> + '_ {
         .map(f64::from)
 }
 
-/// The two sides, and what they may differ by.
-fn both_sides(scene: &Scene, direction: &Direction, weight: &Image, method: Method) -> [f64; 3] {
+/// The scene, ready to be traced by one thread.
+pub fn prepared(scene: &Scene) -> Prepared<'_> {
+    Prepared::new(scene, &settings(scene, Method::Interior, 1, 0)).expect("a scene")
+}
+
+/// ⟨J·v, w⟩ and ⟨v, Jᵀ·w⟩.
+pub struct Sides {
+    pub forward: f64,
+    pub reverse: f64,
+    /// What they may differ by; zero where nothing was differentiated.
+    pub allowed: f64,
+    /// Terms that were left out of either because they were not finite.
+    pub rejected: u64,
+}
+
+/// The two sides along a direction, for the weight of an image.
+pub fn both_sides(
+    prepared: &Prepared,
+    direction: &Direction,
+    weight: &Image,
+    method: Method,
+) -> Sides {
+    let scene = prepared.scene;
     let settings = Settings {
         standard_error: true,
         ..settings(scene, method, 16, 4)
     };
-    let result = forward(scene, &settings, direction, &Quiet).expect("a gradient image");
+    let forward = prepared.forward(&settings, direction, &Quiet);
+    let result = forward.expect("a gradient image");
     let (image, weights) = (flat(&result.gradient), flat(weight));
     let wanted: Vec<Parameter> = direction.iter().map(|d| d.0.clone()).collect();
     let objective = Objective::Adjoint(weight);
-    let pulled = backward(scene, &settings, &wanted, &objective, &Quiet).expect("a gradient");
+    let backward = prepared.backward(&settings, &wanted, &objective, &Quiet);
+    let pulled = backward.expect("a gradient");
     let named: Vec<(&str, &[f32])> = direction
         .iter()
         .map(|(p, v)| (p.key.as_str(), v.as_slice()))
@@ -110,20 +133,38 @@ fn both_sides(scene: &Scene, direction: &Direction, weight: &Image, method: Meth
     // Terms of a sample that cancel leave the last places of its radiance.
     let last_places = f64::from(f32::EPSILON) * magnitude(&flat(&result.image));
     let allowed = rounding(scene.integrator.max_depth) * terms + last_places;
-    [
-        dot(&image, &weights),
+    let rejected = [&result.statistics, &pulled.statistics].map(not_finite);
+    Sides {
+        forward: dot(&image, &weights),
         reverse,
-        if terms == 0.0 { 0.0 } else { allowed },
-    ]
+        allowed: if terms == 0.0 { 0.0 } else { allowed },
+        rejected: rejected.iter().sum(),
+    }
+}
+
+/// What was left out because it was not finite, of the image or of its gradient.
+fn not_finite(statistics: &Statistics) -> u64 {
+    let causes = statistics.rejected.iter();
+    causes
+        .filter(|(cause, _)| cause.contains("not_finite"))
+        .map(|(_, count)| count)
+        .sum()
 }
 
 /// What is wrong with the two sides, if anything.
-pub fn difference(what: &str, [forward, reverse, allowed]: [f64; 3]) -> Option<String> {
+pub fn difference(what: &str, sides: &Sides) -> Option<String> {
+    let Sides {
+        forward,
+        reverse,
+        allowed,
+        rejected,
+    } = sides;
     let error = (forward - reverse).abs();
-    let is_equal = forward.is_finite() && reverse.is_finite() && error <= allowed;
-    (!is_equal).then(|| {
+    let is_equal = forward.is_finite() && reverse.is_finite() && error <= *allowed;
+    (!is_equal || *rejected != 0).then(|| {
         format!(
-            "{what}: forward {forward:e}, reverse {reverse:e}, off by {error:.1e} of {allowed:.1e}"
+            "{what}: forward {forward:e}, reverse {reverse:e}, off by {error:.1e} of {allowed:.1e}; \
+             {rejected} terms left out"
         )
     })
 }
@@ -136,16 +177,17 @@ pub fn transposed(scene: &Scene, method: Method, idle: &[&str]) {
         .map(|p| (p.clone(), random_values(&mut random, p.len())))
         .collect();
     let weight = random_weight(&mut random, scene);
+    let prepared = prepared(scene);
     let mut wrong = Vec::new();
     wrong.extend(difference(
         "all",
-        both_sides(scene, &direction, &weight, method),
+        &both_sides(&prepared, &direction, &weight, method),
     ));
     for part in direction.chunks(1) {
-        let sides = both_sides(scene, &part.to_vec(), &weight, method);
+        let sides = both_sides(&prepared, &part.to_vec(), &weight, method);
         let key = &part[0].0.key;
-        wrong.extend(difference(key, sides));
-        if sides[2] == 0.0 && !idle.contains(&key.as_str()) {
+        wrong.extend(difference(key, &sides));
+        if sides.allowed == 0.0 && !idle.contains(&key.as_str()) {
             wrong.push(format!("{key}: nothing was differentiated"));
         }
     }

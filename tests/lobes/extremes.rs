@@ -4,6 +4,7 @@ use crate::common::materials::Paint;
 use crate::common::swatch::{Swatch, bare, with_facets};
 use glam::{DVec3, dvec3};
 use warpath::lanes::{LANES, Lane, V3};
+use warpath::paths::materials::LightKind;
 use warpath::paths::rays::lane_of;
 use warpath::scene::Distribution::{self, Beckmann, Ggx};
 
@@ -85,10 +86,12 @@ fn values_and_densities_toward_lights_are_finite() {
                     // The mirror image is where the lobe is highest.
                     for o in [o, dvec3(-o.x, -o.y, o.z), DVec3::Z] {
                         let d = swatch.packet(&[o]);
-                        let value = tracer.value_toward(&vertices, &surface, d);
                         let density = tracer.bounce_pdf_over_cos(&vertices, &surface, d);
                         let place = format!("{what} of {alpha} ({distribution:?}) toward {o}");
-                        check_lanes(&place, value, density);
+                        for light in [LightKind::Sampled, LightKind::Delta] {
+                            let value = tracer.value_toward(&vertices, &surface, d, light);
+                            check_lanes(&place, value, density);
+                        }
                     }
                 }
             }

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod beams;
 mod energy;
 mod extremes;
 mod formulas;
