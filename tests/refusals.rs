@@ -82,16 +82,3 @@ fn sharp_shadows() {
         "bulb",
     );
 }
-
-#[test]
-fn what_has_no_derivative() {
-    let mut mirror = close_up().metal("floor", 0.2, warpath::scene::Distribution::Ggx);
-    for texture in &mut mirror.textures {
-        if texture.key == "floor.bsdf.eta" {
-            texture.texels = vec![[0.0; 3]];
-        }
-    }
-    refused(&mirror, "floor.bsdf.eta.value", &MOVED, "floor.bsdf");
-    refused(&mirror, "floor.bsdf.k.value", &MOVED, "floor.bsdf");
-    taken(&mirror, Method::Reparam, "floor.bsdf.alpha.value", &[1.0]);
-}

@@ -2,6 +2,7 @@
 
 use crate::methods::EngineError;
 use crate::output::FileError;
+use crate::output::results::NotFinite;
 use crate::scene::SceneError;
 
 /// Why a command or a job did not do what was asked. The text tells the user what would be right.
@@ -65,6 +66,12 @@ impl From<FileError> for Failure {
             FileError::Io { .. } => Failure::World(error.to_string()),
             FileError::Contents { .. } => Failure::Input(error.to_string()),
         }
+    }
+}
+
+impl From<NotFinite> for Failure {
+    fn from(error: NotFinite) -> Self {
+        Failure::Input(error.to_string())
     }
 }
 

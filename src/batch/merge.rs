@@ -263,7 +263,7 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
             *result.rejected.entry(cause.clone()).or_default() += count;
         }
     }
-    let mut files = results.files();
+    let mut files = results.files()?;
     let wanted = |name: &str| {
         whole
             .outputs

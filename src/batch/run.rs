@@ -299,7 +299,7 @@ impl<'a> Batch<'a> {
                 result.absorb(&partial.statistics);
                 result.loss = partial.loss;
                 if !partial.tensors.is_empty() {
-                    let file = results::partial(share::PARTIAL, &partial.tensors);
+                    let file = results::partial(share::PARTIAL, &partial.tensors)?;
                     self.write(&job, &[file], &mut result)?;
                 }
                 result.share = Some(partial.share);
@@ -311,7 +311,7 @@ impl<'a> Batch<'a> {
                 result.absorb(&done.statistics);
                 result.loss = done.loss;
                 result.norms = done.results.norms().into_iter().collect::<BTreeMap<_, _>>();
-                let mut files = done.results.files();
+                let mut files = done.results.files()?;
                 files.retain(|file| job.writes(file.name));
                 self.write(&job, &files, &mut result)?;
             }

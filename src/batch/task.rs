@@ -10,7 +10,7 @@ use crate::methods::{
     Edits, ForwardGradient, Image, Objective, Prepared, Progress, Settings, Statistics, Workers,
 };
 use crate::output::gradients;
-use crate::output::results::{self, ResultFile};
+use crate::output::results::{self, NotFinite, ResultFile};
 use crate::output::tensors::Tensor;
 use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter, Target};
@@ -34,7 +34,7 @@ pub struct Done {
 
 impl Results {
     /// The files of these results.
-    pub fn files(&self) -> Vec<ResultFile<'_>> {
+    pub fn files(&self) -> Result<Vec<ResultFile<'_>>, NotFinite> {
         match self {
             Results::Image(image) => results::rendered(image),
             Results::Forward(done) => results::forward(done),

@@ -60,7 +60,7 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
     let results = &mut session.report.results;
     results.insert("loss".into(), json!(done.loss));
     results.insert("norms".into(), norms.into());
-    for file in results::backward(&gradients, &done.image) {
+    for file in results::backward(&gradients, &done.image)? {
         session.write(file.name, |path| file.write(path))?;
     }
     session.close()

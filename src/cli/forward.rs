@@ -37,7 +37,7 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
         |scene, settings, progress| methods::forward(scene, settings, &direction, progress),
         |forward| &forward.statistics,
     )?;
-    for file in results::forward(&done) {
+    for file in results::forward(&done)? {
         session.write(file.name, |path| file.write(path))?;
     }
     let mut found = |key: &str, image| {

@@ -12,7 +12,7 @@ pub fn run(arguments: &RenderArguments, typed: &[OsString]) -> Result<(), Failur
     let mut session = Session::open("render", &arguments.trace, typed, None, false)?;
     let settings = session.settings.clone();
     let rendering = session.trace("render", &settings, methods::render, |r| &r.statistics)?;
-    for file in results::rendered(&rendering.image) {
+    for file in results::rendered(&rendering.image)? {
         session.write(file.name, |path| file.write(path))?;
     }
     session.close()

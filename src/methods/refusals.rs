@@ -1,7 +1,8 @@
 //! What cannot be differentiated is refused, in words.
 
 use super::{EngineError, Method};
-use crate::scene::{Bsdf, Scene, SceneDifferential};
+use crate::scene::{Bsdf, DeltaLightKind, Scene, SceneDifferential, Sensor};
+use glam::Vec3;
 
 /// Refuses gradients that would be silently wrong: sharp edges that no cell finds.
 pub fn check(
@@ -10,19 +11,6 @@ pub fn check(
     method: Method,
 ) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
-    for material in &scene.materials {
-        if let Bsdf::Conductor { eta, k, .. } = material.bsdf {
-            let texels = &scene.textures[eta].texels;
-            let is_perfect = texels.iter().flatten().any(|&e| e == 0.0);
-            if is_perfect && (request.texels[eta].is_some() || request.texels[k].is_some()) {
-                return refuse(format!(
-                    "{}: a metal whose index of refraction is 0 reflects everything, and its reflectance has no derivative \
-                     by eta and k there; give it a material, or eta above 0",
-                    material.key
-                ));
-            }
-        }
-    }
     // What ignores visibility has nothing to lose by it.
     if method != Method::Reparam {
         return Ok(());
@@ -74,6 +62,38 @@ fn sharp_shadows(light: &str) -> String {
         "{light}: the shadows of lights without an extent have sharp edges that are not found, so gradients by what moves \
          would be wrong; use a small area light"
     )
+}
+
+/// Squares of squares of lengths must fit in single precision, in whatever unit they are.
+const FARTHEST: f32 = 1e9;
+
+/// Refuses what is farther from the origin than rays can be traced.
+pub fn check_reach(scene: &Scene, sensor: &Sensor) -> Result<(), EngineError> {
+    let is_far = |p: Vec3| !(p.abs().max_element() <= FARTHEST);
+    let refuse = |what: &str, p: Vec3| {
+        let [x, y, z] = p.to_array();
+        Err(EngineError::Refused(format!(
+            "{what}: ({x:e}, {y:e}, {z:e}) is too far from the origin: single precision reaches to {FARTHEST:e}; use a larger \
+             unit of length"
+        )))
+    };
+    for mesh in &scene.meshes {
+        if let Some(&far) = mesh.positions.iter().find(|p| is_far(**p)) {
+            return refuse(&mesh.id, far);
+        }
+    }
+    for light in &scene.delta_lights {
+        if let DeltaLightKind::Point { position } = light.kind
+            && is_far(position)
+        {
+            return refuse(&light.key, position);
+        }
+    }
+    let origin = Vec3::from(sensor.to_world.translation);
+    if is_far(origin) {
+        return refuse(&sensor.id, origin);
+    }
+    Ok(())
 }
 
 /// Whether a reflectance is black somewhere and its gradient is asked for: paths have to go on from black surfaces then.

@@ -64,6 +64,7 @@ impl<'a> Stage<'a> {
                 ..sensor.film
             };
         }
+        refusals::check_reach(scene, &sensor)?;
         let film = &sensor.film;
         if film.filter.radius() > 4.0 {
             return Err(EngineError::Refused(format!(
@@ -296,6 +297,8 @@ impl Statistics {
         self.silhouettes += counts.resolved;
         let rejected = [
             ("not_finite", counts.not_finite),
+            ("boundary_not_finite", counts.boundary_not_finite),
+            ("gradient_not_finite", counts.gradient_not_finite),
             ("silhouette_not_found", counts.unresolved),
         ];
         for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {

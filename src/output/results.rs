@@ -35,6 +35,40 @@ impl<'a> ResultFile<'a> {
     }
 }
 
+/// A result that single precision cannot hold: it must reach no file.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{what} is not finite: numbers of this scene, or of what is asked of it, are beyond what single precision \
+     holds (3.4e38); scale its lengths or its light"
+)]
+pub struct NotFinite {
+    what: String,
+}
+
+/// Refuses an image with a number that is not finite.
+pub fn check_image(name: &str, image: &Image) -> Result<(), NotFinite> {
+    let is_bad = |pixel: &[f32; 3]| pixel.iter().any(|v| !v.is_finite());
+    match image.pixels.iter().position(is_bad) {
+        None => Ok(()),
+        Some(at) => {
+            let (x, y) = (at % image.width, at / image.width);
+            Err(NotFinite {
+                what: format!("the {name} at pixel x {x}, y {y}"),
+            })
+        }
+    }
+}
+
+fn check_tensors(tensors: &[Tensor]) -> Result<(), NotFinite> {
+    let bad = |t: &Tensor| t.values.iter().any(|v| !v.is_finite());
+    match tensors.iter().find(|t| bad(t)) {
+        None => Ok(()),
+        Some(tensor) => Err(NotFinite {
+            what: tensor.name.clone(),
+        }),
+    }
+}
+
 /// Names of the files of `render`, `forward` and `backward`, in the order in which they are written.
 pub const RENDER: [&str; 2] = ["image.exr", "image.png"];
 pub const FORWARD: [&str; 5] = [
@@ -47,16 +81,22 @@ pub const FORWARD: [&str; 5] = [
 pub const BACKWARD: [&str; 3] = ["gradients.safetensors", "gradients.npz", "image.exr"];
 
 /// An image.
-pub fn rendered(image: &Image) -> Vec<ResultFile<'_>> {
+pub fn rendered(image: &Image) -> Result<Vec<ResultFile<'_>>, NotFinite> {
+    check_image("image", image)?;
     let [exr_name, png_name] = RENDER;
-    vec![
+    Ok(vec![
         ResultFile::new("image", exr_name, |path| exr::write(path, image)),
         ResultFile::new("image_png", png_name, |path| png::write_image(path, image)),
-    ]
+    ])
 }
 
 /// A gradient image in every format, its standard error if there is one, and the image.
-pub fn forward(done: &ForwardGradient) -> Vec<ResultFile<'_>> {
+pub fn forward(done: &ForwardGradient) -> Result<Vec<ResultFile<'_>>, NotFinite> {
+    check_image("gradient", &done.gradient)?;
+    check_image("image", &done.image)?;
+    if let Some(stderr) = &done.stderr {
+        check_image("standard error", stderr)?;
+    }
     let [exr_name, npy_name, png_name, stderr_name, image_name] = FORWARD;
     let gradient = &done.gradient;
     let mut files = vec![
@@ -76,13 +116,18 @@ pub fn forward(done: &ForwardGradient) -> Vec<ResultFile<'_>> {
     files.push(ResultFile::new("image", image_name, |path| {
         exr::write(path, &done.image)
     }));
-    files
+    Ok(files)
 }
 
 /// One tensor a key in both formats, and the image.
-pub fn backward<'a>(gradients: &'a [Tensor], image: &'a Image) -> Vec<ResultFile<'a>> {
+pub fn backward<'a>(
+    gradients: &'a [Tensor],
+    image: &'a Image,
+) -> Result<Vec<ResultFile<'a>>, NotFinite> {
+    check_tensors(gradients)?;
+    check_image("image", image)?;
     let [safetensors_name, npz_name, image_name] = BACKWARD;
-    vec![
+    Ok(vec![
         ResultFile::new("gradients", safetensors_name, |path| {
             tensors::write_safetensors(path, gradients)
         }),
@@ -90,12 +135,13 @@ pub fn backward<'a>(gradients: &'a [Tensor], image: &'a Image) -> Vec<ResultFile
             tensors::write_npz(path, gradients)
         }),
         ResultFile::new("image", image_name, |path| exr::write(path, image)),
-    ]
+    ])
 }
 
 /// Tensors that are no results yet.
-pub fn partial<'a>(name: &'static str, tensors: &'a [Tensor]) -> ResultFile<'a> {
-    ResultFile::new("partial", name, |path| {
+pub fn partial<'a>(name: &'static str, tensors: &'a [Tensor]) -> Result<ResultFile<'a>, NotFinite> {
+    check_tensors(tensors)?;
+    Ok(ResultFile::new("partial", name, |path| {
         tensors::write_safetensors(path, tensors)
-    })
+    }))
 }
