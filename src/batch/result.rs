@@ -39,6 +39,9 @@ pub struct ResultLine {
     pub rays: BTreeMap<String, u64>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rejected: BTreeMap<String, u64>,
+    /// The share of a gradient's variance that its largest part carries, by key.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub largest_parts: BTreeMap<String, f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
     /// The root of the sum of squares of each gradient, and of its standard error under `KEY#se`.
@@ -89,6 +92,7 @@ impl ResultLine {
         for (&cause, &count) in &statistics.rejected {
             *self.rejected.entry(cause.into()).or_default() += count;
         }
+        self.largest_parts.extend(statistics.largest_parts.clone());
         *self.thread_seconds.get_or_insert_default() += statistics.tile_seconds;
     }
 

@@ -1,6 +1,6 @@
 //! `report.json`: what was run, on what, and what it cost.
 
-use crate::methods::{Settings, Statistics};
+use crate::methods::{MOST_OF_ONE_PART, Settings, Statistics};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -30,6 +30,9 @@ pub struct Report {
     /// Cells of the sampling lattices between whose ends a silhouette was found.
     pub silhouettes: u64,
     pub rejected: BTreeMap<String, u64>,
+    /// See [`Statistics::largest_parts`].
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub largest_parts: BTreeMap<String, f64>,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
     pub peak_memory_bytes: Option<u64>,
@@ -73,6 +76,7 @@ impl Report {
             rays: BTreeMap::new(),
             silhouettes: 0,
             rejected: BTreeMap::new(),
+            largest_parts: BTreeMap::new(),
             warnings: Vec::new(),
             notes: Vec::new(),
             peak_memory_bytes: None,
@@ -87,6 +91,10 @@ impl Report {
         add(&mut self.rays, &statistics.rays);
         self.silhouettes += statistics.silhouettes;
         add(&mut self.rejected, &statistics.rejected);
+        for (key, &share) in &statistics.largest_parts {
+            let most = self.largest_parts.entry(key.clone()).or_default();
+            *most = most.max(share);
+        }
         for note in &statistics.notes {
             if !self.notes.contains(note) {
                 self.notes.push(note.clone());
@@ -104,13 +112,32 @@ impl Report {
                 "silhouette_not_found" => losses.push(format!(
                     "{count} of {cells} cells had no silhouette found; their part of the gradient is missing"
                 )),
-                "not_finite" => losses.push(format!(
-                    "{count} samples were not finite and count as zero: the scene has numbers that are too large \
-                     or too small"
+                cause => losses.push(format!(
+                    "{count} {} were not finite and count as zero: the scene has numbers that are too large \
+                     or too small",
+                    match cause {
+                        "not_finite" => "samples",
+                        "boundary_not_finite" => "jumps at edges",
+                        _ => "terms of the gradient",
+                    }
                 )),
-                other => losses.push(format!("{count} samples were rejected: {other}")),
             }
         }
+        let uncertain = self
+            .largest_parts
+            .iter()
+            .filter(|(_, s)| **s > MOST_OF_ONE_PART);
+        losses.extend(uncertain.map(|(key, share)| {
+            format!(
+                "few samples carry the result: {} % of the variance of {key} comes from {}, and its standard error \
+                 may be too small; take more samples",
+                (100.0 * share).round(),
+                match key.as_str() {
+                    "gradient" => "one pixel in a thousand",
+                    _ => "one tile in one group of samples",
+                }
+            )
+        }));
         losses
     }
 

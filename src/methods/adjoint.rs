@@ -3,6 +3,7 @@
 use super::groups::GroupImages;
 use super::spare::Spare;
 use super::stage::{Stage, StageClock};
+use super::tails::Tails;
 use super::{
     BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
     Settings, Statistics, refusals,
@@ -23,6 +24,9 @@ use std::time::Instant;
 /// samples would be correlated, and the gradient biased (METHODS §6).
 const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// The sweep takes derivatives by the image between this and its inverse as they are.
+const LEAST_MAGNITUDE: f32 = 1e-6;
+
 /// d objective/d(everything in `request`).
 pub fn backward(
     prepared: &Prepared,
@@ -35,10 +39,11 @@ pub fn backward(
     refusals::check(scene, request, settings.method)?;
     let Evaluation {
         loss,
-        adjoint,
+        mut adjoint,
         image,
         mut statistics,
     } = evaluate(prepared, settings, objective, progress)?;
+    let magnitude = to_unit_magnitude(&mut adjoint);
     let visibility = settings.method == Method::Reparam && request.moves_edges(scene);
     let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(request);
@@ -55,6 +60,7 @@ pub fn backward(
     let (stores, scratch) = (Spare::new(), Spare::new());
     let mut images = GroupImages::new(&stage);
     let mut sums: Vec<FilmSums> = Vec::new();
+    let mut tails = Tails::new(&wanted);
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
@@ -72,7 +78,9 @@ pub fn backward(
             clock.add_adjoint(start);
             scratch.give_back(tile_sums);
             stores.give_back(traced.store);
-            (block, gradient, traced.counts)
+            let mut counts = traced.counts;
+            counts.gradient_not_finite += gradient.not_finite;
+            (block, gradient, counts)
         },
         |group, (block, gradient, tile_counts)| {
             let own = (group - stage.own_groups().start) as usize;
@@ -81,6 +89,7 @@ pub fn backward(
             }
             images.add(group, &block);
             sums[own].add(&gradient);
+            tails.add(&gradient, &stage.parts.geometry);
             counts += tile_counts;
         },
     )?;
@@ -89,7 +98,10 @@ pub fn backward(
 
     let groups: Vec<SceneDifferential> = sums
         .into_iter()
-        .map(|s| s.finish(scene, &stage.parts.geometry, &stage.camera, request))
+        .map(|mut sums| {
+            sums.scale(magnitude);
+            sums.finish(scene, &stage.parts.geometry, &stage.camera, request)
+        })
         .collect();
     let gradient = SceneDifferential::mean(&groups);
     let own = stage.image(images.finish().0);
@@ -102,6 +114,7 @@ pub fn backward(
         gradient,
         groups,
         loss,
+        tails,
         statistics,
     })
 }
@@ -139,7 +152,7 @@ pub fn evaluate(
     let scale = 1.0 / (3 * image.pixels.len()) as f64;
     let mut loss = 0.0;
     let derivative = |value: f32, target: f32, loss: &mut f64| {
-        let difference = (value - target) as f64;
+        let difference = f64::from(value) - f64::from(target);
         let slope = if is_l1 {
             *loss += difference.abs() * scale;
             if difference == 0.0 {
@@ -170,6 +183,23 @@ pub fn evaluate(
         image: Some(image),
         statistics,
     })
+}
+
+/// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep multiplies the derivative
+/// with radiances in single precision, where the square of a large radiance would overflow.
+fn to_unit_magnitude(adjoint: &mut Image) -> f64 {
+    let values = || adjoint.pixels.iter().flatten();
+    let largest = values().fold(0.0f32, |most, v| most.max(v.abs()));
+    // Everything else is as exact as it is.
+    if largest == 0.0 || (LEAST_MAGNITUDE..1.0 / LEAST_MAGNITUDE).contains(&largest) {
+        return 1.0;
+    }
+    let exponent = f64::from(largest).log2().floor();
+    let magnitude = exponent.exp2();
+    for v in adjoint.pixels.iter_mut().flatten() {
+        *v = (f64::from(*v) / magnitude) as f32;
+    }
+    magnitude
 }
 
 fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineError> {

@@ -8,6 +8,7 @@ mod primal;
 mod refusals;
 mod spare;
 mod stage;
+mod tails;
 mod tangent;
 
 pub use differences::{IMAGES as DIFFERENCE_IMAGES, step as difference_step};
@@ -96,6 +97,9 @@ pub struct Statistics {
     pub seconds: BTreeMap<&'static str, f64>,
     /// What the threads spent in tiles, added up over threads: the computation without what surrounds it.
     pub tile_seconds: f64,
+    /// The share of a gradient's variance that its largest part carries, by key: of `backward` one tile of one group of
+    /// samples, of a gradient image (under `gradient`) one pixel in a thousand.
+    pub largest_parts: BTreeMap<String, f64>,
     /// Remarks for the user.
     pub notes: Vec<String>,
 }
@@ -127,13 +131,14 @@ pub struct ForwardGradient {
 }
 
 /// What [`backward`] gives.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct BackwardGradient {
     pub image: Image,
     pub gradient: SceneDifferential,
     /// Independent estimates of the gradient, whose mean is `gradient`.
     pub groups: Vec<SceneDifferential>,
     pub loss: f64,
+    pub tails: Tails,
     pub statistics: Statistics,
 }
 
@@ -177,6 +182,8 @@ pub struct Evaluation {
 pub use adjoint::inner_product;
 pub use groups::{GroupMean, equal_groups, group_count};
 pub use prepared::{Edits, Parts, Prepared, Workers, views};
+pub use tails::MOST as MOST_OF_ONE_PART;
+pub use tails::Tails;
 
 impl From<SceneError> for EngineError {
     fn from(error: SceneError) -> Self {

@@ -256,6 +256,16 @@ impl<'a> Prepared<'a> {
         progress: &dyn Progress,
     ) -> Result<BackwardGradient, EngineError> {
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
-        adjoint::backward(self, settings, &request, objective, progress)
+        let mut done = adjoint::backward(self, settings, &request, objective, progress)?;
+        let groups = done.groups.len();
+        if groups > 1 {
+            for parameter in wanted {
+                let target = parameter.target;
+                let share = target.and_then(|target| done.tails.largest_share(target, groups));
+                let parts = &mut done.statistics.largest_parts;
+                parts.extend(share.map(|share| (parameter.key.clone(), share)));
+            }
+        }
+        Ok(done)
     }
 }

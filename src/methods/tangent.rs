@@ -3,6 +3,7 @@
 use super::groups::GroupImages;
 use super::spare::Spare;
 use super::stage::{Stage, StageClock};
+use super::tails::share_of_worst_pixels;
 use super::{
     EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
 };
@@ -64,6 +65,9 @@ pub fn forward(
 
     let image = stage.image(images.finish().0);
     let (gradient, stderr) = gradients.finish();
+    let worst = stderr.as_deref().and_then(share_of_worst_pixels);
+    let worst = worst.map(|share| ("gradient".into(), share));
+    statistics.largest_parts.extend(worst);
     Ok(ForwardGradient {
         image,
         gradient: stage.image(gradient),
@@ -85,7 +89,7 @@ fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -
             if values[lane].iter().all(|c| c.is_finite()) {
                 tangents[at] = values[lane];
             } else {
-                traced.counts.not_finite += 1;
+                traced.counts.gradient_not_finite += 1;
             }
         }
     }
@@ -98,7 +102,7 @@ fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -
             let [x, y] = [0, 1].map(|i| stage.filter.taps(i, crossing.at[i]));
             block.add_point(&x, &y, value);
         } else {
-            traced.counts.not_finite += 1;
+            traced.counts.gradient_not_finite += 1;
         }
     }
     block
