@@ -1,12 +1,13 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → bench → batch → cli`.
+//! `room → files → lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → bench → batch → cli`.
 
 pub mod adjoint;
 pub mod batch;
 pub mod bench;
 pub mod cli;
+pub mod files;
 pub mod gradient;
 pub mod kernels;
 pub mod lanes;
@@ -14,6 +15,7 @@ pub mod methods;
 pub mod output;
 pub mod paths;
 pub mod picture;
+pub mod room;
 pub mod scene;
 pub mod trace;
 pub mod warp;

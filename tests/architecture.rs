@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
 /// Each module may use those before it.
-const ORDER: [&str; 14] = [
-    "lanes", "picture", "scene", "trace", "kernels", "adjoint", "warp", "paths", "gradient",
-    "methods", "output", "bench", "batch", "cli",
+const ORDER: [&str; 16] = [
+    "room", "files", "lanes", "picture", "scene", "trace", "kernels", "adjoint", "warp", "paths",
+    "gradient", "methods", "output", "bench", "batch", "cli",
 ];
 
 /// Modules that may use less than the order allows.
 const ONLY: [(&str, &[&str]); 2] = [
-    ("picture", &["picture"]),
+    ("picture", &["room", "files", "picture"]),
     ("kernels", &["lanes", "kernels"]),
 ];
 

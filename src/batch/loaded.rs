@@ -5,6 +5,7 @@ use super::memory;
 use super::source::Counted;
 use super::store::{Reservation, SceneKey};
 use crate::methods::{Edits, Parts, Workers, views};
+use crate::room::Cancelled;
 use crate::scene::{self, Scene};
 use crate::trace::tightness::Tightness;
 use crate::trace::{Accel, AccelOptions, Backend};
@@ -77,7 +78,7 @@ impl Loaded {
         workers: &Workers,
         backend: Backend,
         mut reservation: Reservation,
-        cancelled: &dyn Fn() -> bool,
+        cancelled: Cancelled,
     ) -> Result<Self, Failure> {
         let start = Instant::now();
         let source = Counted::new(&mut reservation, cancelled);
@@ -91,7 +92,7 @@ impl Loaded {
         reservation.become_bytes(memory::of_scene(&scene), cancelled)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let parts = Parts::new(&scene, workers, backend)
+        let parts = Parts::new(&scene, workers, backend, cancelled)
             .map_err(|error| Failure::from_engine(error, None))?;
         Ok(Self {
             scene,

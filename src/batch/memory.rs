@@ -22,15 +22,43 @@ const TOUCHED: u64 = 1 << 17;
 /// Tiles whose results wait for being added, a thread: as `methods::stage` hands them out.
 const WAITING_TILES: u64 = 8;
 
-/// Bytes the process may use: the machine's, or its control group's limit.
+/// Bytes the process may use: the machine's, or the limit of a control group or of its address space (`ulimit -v`).
 pub fn of_machine() -> u64 {
-    let number = |path: &str| -> Option<u64> { fs::read_to_string(path).ok()?.trim().parse().ok() };
     let machine = kilobytes(Path::new("/proc/meminfo"), "MemTotal:").unwrap_or(4 << 30);
-    let limits = [
-        number("/sys/fs/cgroup/memory.max"),
-        number("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
-    ];
-    limits.into_iter().flatten().fold(machine, u64::min)
+    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let groups = groups.lines().filter_map(of_control_group);
+    groups.chain(of_address_space()).fold(machine, u64::min)
+}
+
+/// The least limit of a control group, as a line of `/proc/self/cgroup` names it, and of those it is in.
+fn of_control_group(line: &str) -> Option<u64> {
+    let mut fields = line.splitn(3, ':').skip(1);
+    let (controllers, group) = (fields.next()?, fields.next()?);
+    let (root, file) = match controllers {
+        "" => ("/sys/fs/cgroup", "memory.max"),
+        names if names.split(',').any(|name| name == "memory") => {
+            ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+        }
+        _ => return None,
+    };
+    let number = |path: &Path| -> Option<u64> {
+        let text = fs::read_to_string(path.join(file)).ok()?;
+        text.trim().parse().ok()
+    };
+    let group = Path::new(root).join(group.trim_start_matches('/'));
+    let all = group.ancestors().take_while(|path| path.starts_with(root));
+    all.filter_map(number).min()
+}
+
+/// Bytes of memory that the address space has room for, if it is limited: what is in memory, and what may still be mapped.
+pub fn of_address_space() -> Option<u64> {
+    let limits = fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits
+        .lines()
+        .find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
+    let mapped = kilobytes(Path::new("/proc/self/status"), "VmSize:")?;
+    Some(limit.saturating_sub(mapped) + resident()?)
 }
 
 /// Bytes the process has now.

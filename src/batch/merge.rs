@@ -9,7 +9,7 @@ use super::share::PARTIAL;
 use super::sum::Sum;
 use super::task::Results;
 use crate::methods::inner_product;
-use crate::output::tensors::Tensors;
+use crate::output::tensors::TensorFile;
 use crate::output::{FileError, atomic};
 use std::collections::BTreeMap;
 use std::fs;
@@ -213,7 +213,7 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
             "job {id} was not shared out by samples"
         )));
     };
-    let mut files: Vec<Tensors> = Vec::new();
+    let mut files: Vec<TensorFile> = Vec::new();
     let mut owner: BTreeMap<u32, usize> = BTreeMap::new();
     for (part, line) in shares {
         let done = line.share.iter().flat_map(|share| &share.done);
@@ -228,7 +228,7 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
             continue;
         }
         let path = part.directory.join(&id).join(PARTIAL);
-        files.push(Tensors::read(&path)?);
+        files.push(TensorFile::open(&path)?);
     }
     if let Some(missing) = (0..whole.groups).find(|group| !owner.contains_key(group)) {
         return Err(Failure::Disagreement(format!(

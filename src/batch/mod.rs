@@ -1,5 +1,6 @@
 //! Jobs: what one computes, for the single commands too, and batches of them that lose nothing.
 
+mod attachments;
 pub mod direction;
 pub mod failure;
 mod folder;

@@ -1,8 +1,9 @@
 //! The numbers of a parameter, typed in or in a file.
 
 use super::failure::Failure;
-use crate::output::npy;
-use crate::output::tensors::Tensors;
+use crate::output::FileError;
+use crate::output::npy::{self, ArrayFile};
+use crate::output::tensors::{Entry, TensorFile};
 use crate::scene::parameters::Parameter;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, DeserializeSeed, Deserializer, SeqAccess, Visitor};
@@ -38,45 +39,94 @@ impl Numbers {
 
     /// As many numbers as the parameter has, all of them given. `key` is what it was called.
     pub fn exactly(&self, parameter: &Parameter, key: &str) -> Result<Vec<f32>, Failure> {
-        let (name, shape, values): (String, Vec<usize>, _) = match self {
-            Numbers::Inline { values, shape } => (key.to_string(), shape.clone(), values.clone()),
+        let (name, values) = match self {
+            Numbers::Inline { values, shape } => {
+                let fits = match shape.len() {
+                    0 | 1 => values.len() == parameter.len(),
+                    _ => *shape == parameter.shape,
+                };
+                if !fits {
+                    return Err(misshapen(key, shape, parameter));
+                }
+                (key.to_string(), values.clone())
+            }
             Numbers::File(path) => {
-                let (shape, values) = read(path, parameter, key)?;
-                (path.display().to_string(), shape, values)
+                let values = NumberFile::open(path, parameter, key)?.read(parameter, key)?;
+                (path.display().to_string(), values)
             }
         };
-        let flat = shape.len() < 2 && matches!(self, Numbers::Inline { .. });
-        let fits = match flat {
-            true => values.len() == parameter.len(),
-            false => shape == parameter.shape,
-        };
-        if !fits {
-            return Err(Failure::Input(format!(
-                "{name}: the shape is {}, {} has {}",
-                npy::tuple(&shape),
-                parameter.key,
-                npy::tuple(&parameter.shape),
-            )));
-        }
         match values.iter().position(|value| !value.is_finite()) {
             None => Ok(values),
             Some(at) => Err(Failure::Input(format!("{name}: number {at} is not finite"))),
         }
     }
+
+    /// What reading them takes in memory. A file that has not the parameter's shape is refused.
+    pub fn bytes_needed(&self, parameter: &Parameter, key: &str) -> Result<u64, Failure> {
+        match self {
+            Numbers::Inline { .. } => Ok(0),
+            Numbers::File(path) => Ok(NumberFile::open(path, parameter, key)?.bytes_needed),
+        }
+    }
 }
 
-/// Shape and numbers of a file.
-fn read(path: &Path, parameter: &Parameter, key: &str) -> Result<(Vec<usize>, Vec<f32>), Failure> {
-    let is_tensors = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("safetensors"));
-    if is_tensors {
-        let file = Tensors::read(path)?;
-        let tensor = file.get(key).or_else(|_| file.get(&parameter.key))?;
-        return Ok((tensor.shape, tensor.values));
+fn misshapen(name: &str, shape: &[usize], parameter: &Parameter) -> Failure {
+    Failure::Input(format!(
+        "{name}: the shape is {}, {} has {}",
+        npy::tuple(shape),
+        parameter.key,
+        npy::tuple(&parameter.shape),
+    ))
+}
+
+/// A file with the numbers of a parameter, which has its shape.
+struct NumberFile {
+    kind: FileKind,
+    bytes_needed: u64,
+}
+
+enum FileKind {
+    Array(ArrayFile),
+    Tensors(TensorFile),
+}
+
+impl NumberFile {
+    /// Reads the header and compares it with the parameter.
+    fn open(path: &Path, parameter: &Parameter, key: &str) -> Result<Self, Failure> {
+        let is_tensors = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("safetensors"));
+        let (kind, shape, bytes_needed) = if is_tensors {
+            let file = TensorFile::open(path)?;
+            let entry = entry(&file, parameter, key)?;
+            let (shape, bytes) = (entry.shape().to_vec(), entry.bytes_needed());
+            (FileKind::Tensors(file), shape, bytes)
+        } else {
+            let file = ArrayFile::open(path)?;
+            let (shape, bytes) = (file.shape().to_vec(), file.bytes_needed());
+            (FileKind::Array(file), shape, bytes)
+        };
+        if shape != parameter.shape {
+            return Err(misshapen(&path.display().to_string(), &shape, parameter));
+        }
+        Ok(Self { kind, bytes_needed })
     }
-    let array = npy::read(path)?;
-    Ok((array.shape, array.values))
+
+    fn read(self, parameter: &Parameter, key: &str) -> Result<Vec<f32>, Failure> {
+        match self.kind {
+            FileKind::Array(file) => Ok(file.read()?.values),
+            FileKind::Tensors(file) => Ok(entry(&file, parameter, key)?.read()?.values),
+        }
+    }
+}
+
+/// The parameter's tensor, under the name it was called or its own.
+fn entry<'a>(
+    file: &'a TensorFile,
+    parameter: &'a Parameter,
+    key: &'a str,
+) -> Result<Entry<'a>, FileError> {
+    file.entry(key).or_else(|_| file.entry(&parameter.key))
 }
 
 impl<'de> Deserialize<'de> for Numbers {

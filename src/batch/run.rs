@@ -1,5 +1,6 @@
 //! A batch: several jobs at a time, all on the same threads, until there are no more.
 
+use super::attachments;
 use super::failure::Failure;
 use super::folder;
 use super::intake::{Entry, JobFile, Line, Register};
@@ -157,8 +158,8 @@ impl<'a> Batch<'a> {
         let processor = memory::processor_seconds();
         let summary = Mutex::new(Summary::default());
         std::thread::scope(|scope| {
-            for _ in 0..self.options.threads + SPARE_JOBS {
-                scope.spawn(|| {
+            for started in 0..self.options.threads + SPARE_JOBS {
+                let work = || {
                     while !self.is_stopped() {
                         let Some(line) = next() else { return };
                         let Some(result) = self.result_of(line) else {
@@ -172,7 +173,14 @@ impl<'a> Batch<'a> {
                         self.tally.end(&result);
                         self.watch.ended(&result, &self.tally);
                     }
-                });
+                };
+                // One is enough, where there is no memory for more.
+                match std::thread::Builder::new().spawn_scoped(scope, work) {
+                    Err(error) if started == 0 => {
+                        self.stop(Failure::World(format!("no thread for jobs: {error}")));
+                    }
+                    _ => {}
+                }
             }
         });
         if let Some(failure) = locked(&self.fatal).take() {
@@ -259,7 +267,8 @@ impl<'a> Batch<'a> {
         let bytes = |loaded: &Loaded| {
             let settings = wishes.settle(&loaded.scene)?;
             let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
-            Ok(memory::of_job(&loaded.scene, &settings, &job, kept as u64))
+            let files = attachments::bytes_needed(&job, &loaded.scene, &settings)?;
+            Ok(files + memory::of_job(&loaded.scene, &settings, &job, kept as u64))
         };
         let admission = self.store.admit(&key, bytes, &|| self.is_stopped())?;
         let mut result = ResultLine {
@@ -282,7 +291,7 @@ impl<'a> Batch<'a> {
         let stand = Stand::new(&job, loaded, threads)?;
         let settings = wishes.settle(stand.scene())?;
         let question = Question::new(&job, stand.scene(), &settings)?;
-        let prepared = stand.prepare(&self.workers);
+        let prepared = stand.prepare(&self.workers, &|| self.is_stopped())?;
         spend("prepare", admitted.elapsed().as_secs_f64());
         result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
         result.rebuilt = stand.is_rebuilt();

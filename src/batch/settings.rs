@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use crate::methods::{Groups, Image, Method, Settings};
-use crate::output::picture;
+use crate::output::picture::PictureFile;
 use crate::scene::Scene;
 use crate::trace::Backend;
 use std::path::Path;
@@ -111,18 +111,32 @@ pub fn size(settings: &Settings, scene: &Scene) -> [u32; 2] {
     settings.resolution.unwrap_or(film.crop_size)
 }
 
-/// Reads a target or an adjoint of the size of the image.
-pub fn image(file: &Path, [width, height]: [u32; 2]) -> Result<Image, Failure> {
-    let image = picture::read(file)?;
-    if (image.width, image.height) != (width as usize, height as usize) {
-        return Err(Failure::Input(format!(
-            "{}: {}x{} pixels, the image rendered has {width}x{height}; give another picture or resolution",
-            file.display(),
-            image.width,
-            image.height
-        )));
+/// Opens a target or an adjoint; one that is not of the size of the image is refused before it is decoded.
+pub fn picture(file: &Path, size: [u32; 2]) -> Result<PictureFile, Failure> {
+    let picture = PictureFile::open(file)?;
+    match picture.size() {
+        Some(found) => check_size(file, found, size).map(|()| picture),
+        None => Ok(picture),
     }
+}
+
+/// Reads a target or an adjoint of the size of the image.
+pub fn image(file: &Path, size: [u32; 2]) -> Result<Image, Failure> {
+    let image = picture(file, size)?.read()?;
+    check_size(file, [image.width as u64, image.height as u64], size)?;
     Ok(image)
+}
+
+fn check_size(file: &Path, found: [u64; 2], wanted: [u32; 2]) -> Result<(), Failure> {
+    if found == wanted.map(u64::from) {
+        return Ok(());
+    }
+    let ([found_width, found_height], [width, height]) = (found, wanted);
+    Err(Failure::Input(format!(
+        "{}: {found_width}x{found_height} pixels, the image rendered has {width}x{height}; give another picture or \
+         resolution",
+        file.display(),
+    )))
 }
 
 /// `1 sensor`, `2 sensors`.

@@ -5,6 +5,7 @@ use super::loaded::Stamp;
 use super::memory;
 use super::store::Reservation;
 use crate::picture;
+use crate::room::Cancelled;
 use crate::scene::source::{Disk, FileSource};
 use std::cell::RefCell;
 use std::io;
@@ -17,7 +18,7 @@ const GROWTH: u64 = 4;
 /// The disk; what is read from it is counted and remembered.
 pub struct Counted<'a> {
     inner: RefCell<Inner<'a>>,
-    cancelled: &'a dyn Fn() -> bool,
+    cancelled: Cancelled<'a>,
 }
 
 struct Inner<'a> {
@@ -28,7 +29,7 @@ struct Inner<'a> {
 }
 
 impl<'a> Counted<'a> {
-    pub fn new(reservation: &'a mut Reservation, cancelled: &'a dyn Fn() -> bool) -> Self {
+    pub fn new(reservation: &'a mut Reservation, cancelled: Cancelled<'a>) -> Self {
         Self {
             inner: RefCell::new(Inner {
                 reservation,

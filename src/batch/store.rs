@@ -8,6 +8,7 @@ use super::failure::Failure;
 use super::loaded::Loaded;
 use super::memory;
 use crate::methods::Workers;
+use crate::room::{self, Cancelled};
 use crate::trace::Backend;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -86,7 +87,7 @@ impl Store {
         };
         Self {
             ledger: Arc::new(Ledger {
-                limit: limit_bytes,
+                limit: memory::of_address_space().map_or(limit_bytes, |most| limit_bytes.min(most)),
                 state: Mutex::new(state),
                 changed: Condvar::new(),
             }),
@@ -105,7 +106,7 @@ impl Store {
         &self,
         key: &SceneKey,
         bytes: impl Fn(&Loaded) -> Result<u64, Failure>,
-        cancelled: &dyn Fn() -> bool,
+        cancelled: Cancelled,
     ) -> Result<Admission, Failure> {
         let ledger = &self.ledger;
         let mut was_loaded = false;
@@ -153,7 +154,7 @@ impl Store {
                 Err(failure) => break Err(failure),
             };
             let is_next = state.next_in_line.is_none_or(|next| next == ticket);
-            if is_next && state.used + need <= ledger.limit {
+            if is_next && ledger.has_room(&state, need) {
                 let loaded = state.take(key, need);
                 break Ok(loaded.map(|loaded| (loaded, need)));
             }
@@ -248,7 +249,18 @@ impl Ledger {
         waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
+    /// Whether so many bytes more are allowed, and the system would give them now: it may have limits of its own.
+    fn has_room(&self, state: &State, bytes: u64) -> bool {
+        state.used + bytes <= self.limit && room::look_for(bytes).is_ok()
+    }
+
     fn too_large(&self, what: &str, bytes: u64, state: &State) -> Failure {
+        if state.used + bytes <= self.limit {
+            return Failure::World(format!(
+                "{what} needs about {}, which the system does not give: see `ulimit -v`",
+                memory::shown(bytes)
+            ));
+        }
         Failure::World(format!(
             "{what} needs about {} beside {} in use, more than --memory {} has",
             memory::shown(bytes),
@@ -267,15 +279,12 @@ impl Reservation {
     }
 
     /// Counts more, or less, as soon as it fits; only for a scene that loads.
-    pub fn become_bytes(
-        &mut self,
-        bytes: u64,
-        cancelled: &dyn Fn() -> bool,
-    ) -> Result<(), Failure> {
+    pub fn become_bytes(&mut self, bytes: u64, cancelled: Cancelled) -> Result<(), Failure> {
         let ledger = self.ledger.clone();
         let mut state = ledger.lock();
         loop {
-            if state.used - self.bytes + bytes <= ledger.limit {
+            let more = bytes.saturating_sub(self.bytes);
+            if bytes <= self.bytes || ledger.has_room(&state, more) {
                 state.used = state.used - self.bytes + bytes;
                 self.bytes = bytes;
                 return Ok(());
@@ -291,7 +300,7 @@ impl Reservation {
                 continue;
             }
             if state.active == 0 {
-                return Err(ledger.too_large("the scene", bytes - self.bytes, &state));
+                return Err(ledger.too_large("the scene", more, &state));
             }
             state = ledger.wait(state);
         }

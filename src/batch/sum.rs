@@ -6,13 +6,14 @@ use super::share::{Share, of_group};
 use super::task::Results;
 use crate::methods::{ForwardGradient, GroupMean, Image};
 use crate::output::gradients;
-use crate::output::tensors::{Tensor, Tensors};
+use crate::output::tensors::{Tensor, TensorFile};
+use crate::room::NoRoom;
 use std::collections::BTreeMap;
 
 /// All groups of a job.
 pub struct Sum<'a> {
     pub share: &'a Share,
-    pub files: Vec<Tensors>,
+    pub files: Vec<TensorFile>,
     /// The file of each group.
     pub owner: BTreeMap<u32, usize>,
 }
@@ -65,12 +66,13 @@ impl Sum<'_> {
 
     fn mean(&self, name: &str) -> Result<(Image, Option<Image>), Failure> {
         let groups: Vec<Image> = self.groups(name)?.iter().map(as_image).collect();
+        let no_room = |error: NoRoom| Failure::World(error.to_string());
         let (width, height) = (groups[0].width, groups[0].height);
-        let mut mean = GroupMean::new(width * height, self.share.groups);
+        let mut mean = GroupMean::new(width * height, self.share.groups).map_err(no_room)?;
         for group in &groups {
             mean.add(&group.pixels);
         }
-        let (mean, error) = mean.finish();
+        let (mean, error) = mean.finish().map_err(no_room)?;
         let image = |pixels| Image {
             width,
             height,

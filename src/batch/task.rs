@@ -12,6 +12,7 @@ use crate::methods::{
 use crate::output::gradients;
 use crate::output::results::{self, NotFinite, ResultFile};
 use crate::output::tensors::Tensor;
+use crate::room::Cancelled;
 use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter, Target};
 
@@ -117,22 +118,28 @@ impl<'a> Stand<'a> {
     }
 
     /// Makes what the job's values have changed, and shares the rest.
-    pub fn prepare(&self, workers: &Workers) -> Prepared<'_> {
+    pub fn prepare(
+        &self,
+        workers: &Workers,
+        cancelled: Cancelled,
+    ) -> Result<Prepared<'_>, Failure> {
         let shared = &self.loaded.parts;
         let parts = match &self.changed {
             None => shared.clone(),
             Some(scene) => {
                 let lease = self.lease.as_ref();
                 let accel = lease.map_or(shared.accel(), Lease::accel);
-                shared.edited(scene, &self.edits, accel.clone(), workers)
+                shared
+                    .edited(scene, &self.edits, accel.clone(), workers, cancelled)
+                    .map_err(|error| Failure::from_engine(error, None))?
             }
         };
-        Prepared {
+        Ok(Prepared {
             scene: self.scene(),
             parts,
             workers: workers.clone(),
             build_seconds: 0.0,
-        }
+        })
     }
 
     /// Gives back what the next job can use.

@@ -3,6 +3,7 @@
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::lane_of;
 use crate::paths::texture::Lookup;
+use crate::room::{self, NoRoom};
 use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
@@ -48,6 +49,18 @@ impl Wanted {
     /// Whether any vertex or the camera is wanted.
     pub fn geometry(&self) -> bool {
         self.camera || self.mesh.contains(&true)
+    }
+
+    /// Vertices, normals and texels that there are sums for.
+    fn counts(&self, scene: &Scene, geometry: &Geometry) -> [usize; 3] {
+        let of = |wanted: bool, count: usize| if wanted { count } else { 0 };
+        let moves = self.mesh.contains(&true);
+        let texels = first_texels(scene).last().map_or(0, |&n| n as usize);
+        [
+            of(moves, geometry.positions.len()),
+            of(moves, geometry.normals.len()),
+            of(self.colours(), texels),
+        ]
     }
 
     /// Whether the mesh of a triangle is wanted.
@@ -179,16 +192,18 @@ pub struct TileGradient {
 }
 
 impl TileSums {
+    /// What one takes in memory, all of it touched.
+    pub fn bytes_needed(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> u64 {
+        let numbers: usize = wanted.counts(scene, geometry).iter().sum();
+        17 * numbers as u64
+    }
+
     pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Self {
-        let any = wanted.mesh.contains(&true);
+        let [positions, normals, texels] = wanted.counts(scene, geometry);
         Self {
-            positions: SparseVectors::new(if any { geometry.positions.len() } else { 0 }),
-            normals: SparseVectors::new(if any { geometry.normals.len() } else { 0 }),
-            texels: SparseVectors::new(if wanted.colours() {
-                first_texels(scene).last().map_or(0, |&n| n as usize)
-            } else {
-                0
-            }),
+            positions: SparseVectors::new(positions),
+            normals: SparseVectors::new(normals),
+            texels: SparseVectors::new(texels),
             first_texel: first_texels(scene).into(),
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
@@ -323,24 +338,17 @@ pub struct FilmSums {
 }
 
 impl FilmSums {
-    pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Self {
-        let any = wanted.mesh.contains(&true);
-        Self {
-            positions: vec![DVec3::ZERO; if any { geometry.positions.len() } else { 0 }],
-            normals: vec![DVec3::ZERO; if any { geometry.normals.len() } else { 0 }],
-            texels: vec![
-                DVec3::ZERO;
-                if wanted.colours() {
-                    first_texels(scene).last().map_or(0, |&n| n as usize)
-                } else {
-                    0
-                }
-            ],
+    pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Result<Self, NoRoom> {
+        let [positions, normals, texels] = wanted.counts(scene, geometry);
+        Ok(Self {
+            positions: room::filled(DVec3::ZERO, positions)?,
+            normals: room::filled(DVec3::ZERO, normals)?,
+            texels: room::filled(DVec3::ZERO, texels)?,
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
-        }
+        })
     }
 
     /// Adds a tile; the order of the calls is the order of summation.

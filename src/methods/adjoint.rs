@@ -16,6 +16,7 @@ use crate::paths::rays::from_lanes;
 use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
+use crate::room;
 use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
 use std::time::Instant;
@@ -58,8 +59,12 @@ pub fn backward(
         visibility,
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
-    let mut images = GroupImages::new(&stage);
-    let mut sums: Vec<FilmSums> = Vec::new();
+    let mut images = GroupImages::new(&stage)?;
+    let mut sums = (0..stage.own_groups().len())
+        .map(|_| FilmSums::new(scene, &stage.parts.geometry, &wanted))
+        .collect::<Result<Vec<_>, _>>()?;
+    let scratch_bytes = TileSums::bytes_needed(scene, &stage.parts.geometry, &wanted);
+    room::look_for(settings.threads as u64 * scratch_bytes)?;
     let mut tails = Tails::new(&wanted);
     let mut counts = Counts::default();
     stage.for_each_tile(
@@ -84,9 +89,6 @@ pub fn backward(
         },
         |group, (block, gradient, tile_counts)| {
             let own = (group - stage.own_groups().start) as usize;
-            if sums.len() == own {
-                sums.push(FilmSums::new(scene, &stage.parts.geometry, &wanted));
-            }
             images.add(group, &block);
             sums[own].add(&gradient);
             tails.add(&gradient, &stage.parts.geometry);
@@ -104,7 +106,7 @@ pub fn backward(
         })
         .collect();
     let gradient = SceneDifferential::mean(&groups);
-    let own = stage.image(images.finish().0);
+    let own = stage.image(images.finish()?.0);
     let (loss, image) = match objective {
         Objective::Adjoint(adjoint) => (inner_product(&own, adjoint), own),
         _ => (loss, image.unwrap_or(own)),
@@ -130,7 +132,10 @@ pub fn evaluate(
         Objective::Adjoint(adjoint) => {
             return Ok(Evaluation {
                 loss: 0.0,
-                adjoint: (*adjoint).clone(),
+                adjoint: Image {
+                    pixels: room::copy(&adjoint.pixels)?,
+                    ..**adjoint
+                },
                 image: None,
                 statistics: Statistics::default(),
             });

@@ -52,7 +52,8 @@ pub fn forward(
             part: part as u64,
             parts: offsets.len() as u64,
         };
-        let prepared = Prepared::with_workers(&moved, workers, settings.backend)?;
+        let prepared =
+            Prepared::with_workers(&moved, workers, settings.backend, &|| progress.cancelled())?;
         statistics.spend("build", prepared.build_seconds);
         let (images, image_size) =
             group_images(&prepared, &settings, &part_progress, &mut statistics)?;

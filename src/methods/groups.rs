@@ -2,6 +2,7 @@
 
 use super::stage::Stage;
 use crate::paths::film::Block;
+use crate::room::{self, NoRoom};
 use crate::scene::Rgb;
 
 /// Independent groups of samples behind a standard error, at least.
@@ -28,12 +29,12 @@ pub struct GroupMean {
 
 impl GroupMean {
     /// Of `groups` images of so many pixels.
-    pub fn new(pixels: usize, groups: u32) -> Self {
-        Self {
-            sum: vec![[0.0; 3]; pixels],
-            squares: vec![[0.0; 3]; if groups > 1 { pixels } else { 0 }],
+    pub fn new(pixels: usize, groups: u32) -> Result<Self, NoRoom> {
+        Ok(Self {
+            sum: room::filled([0.0; 3], pixels)?,
+            squares: room::filled([0.0; 3], if groups > 1 { pixels } else { 0 })?,
             groups,
-        }
+        })
     }
 
     /// Adds an image; the order of the calls is the order of summation.
@@ -50,18 +51,18 @@ impl GroupMean {
     }
 
     /// Mean and standard error (if there are several groups).
-    pub fn finish(self) -> (Vec<Rgb>, Option<Vec<Rgb>>) {
+    pub fn finish(self) -> Result<(Vec<Rgb>, Option<Vec<Rgb>>), NoRoom> {
         let n = self.groups as f64;
-        let mean = self.sum.iter().map(|s| s.map(|x| (x / n) as f32)).collect();
-        let error = (self.groups > 1).then(|| {
-            let se = |s: f64, q: f64| (((q - s * s / n) / (n - 1.0)).max(0.0) / n).sqrt() as f32;
-            self.sum
-                .iter()
-                .zip(&self.squares)
-                .map(|(s, q)| std::array::from_fn(|c| se(s[c], q[c])))
-                .collect()
-        });
-        (mean, error)
+        let mut mean = room::empty(self.sum.len())?;
+        mean.extend(self.sum.iter().map(|s| s.map(|x| (x / n) as f32)));
+        if self.groups < 2 {
+            return Ok((mean, None));
+        }
+        let se = |s: f64, q: f64| (((q - s * s / n) / (n - 1.0)).max(0.0) / n).sqrt() as f32;
+        let mut error = room::empty(self.sum.len())?;
+        let sums = self.sum.iter().zip(&self.squares);
+        error.extend(sums.map(|(s, q)| std::array::from_fn(|c| se(s[c], q[c]))));
+        Ok((mean, Some(error)))
     }
 }
 
@@ -74,14 +75,14 @@ pub struct GroupImages {
 }
 
 impl GroupImages {
-    pub fn new(stage: &Stage) -> Self {
+    pub fn new(stage: &Stage) -> Result<Self, NoRoom> {
         let pixels = stage.size[0] * stage.size[1];
-        Self {
+        Ok(Self {
             width: stage.size[0],
             group: None,
-            current: vec![[0.0; 3]; pixels],
-            mean: GroupMean::new(pixels, stage.own_groups().len() as u32),
-        }
+            current: room::filled([0.0; 3], pixels)?,
+            mean: GroupMean::new(pixels, stage.own_groups().len() as u32)?,
+        })
     }
 
     /// Adds a tile's part to the image of `group`; groups come one after another.
@@ -99,7 +100,7 @@ impl GroupImages {
     }
 
     /// Mean and standard error (if there are several groups).
-    pub fn finish(mut self) -> (Vec<Rgb>, Option<Vec<Rgb>>) {
+    pub fn finish(mut self) -> Result<(Vec<Rgb>, Option<Vec<Rgb>>), NoRoom> {
         self.close();
         self.mean.finish()
     }

@@ -13,6 +13,7 @@ mod tangent;
 
 pub use differences::{IMAGES as DIFFERENCE_IMAGES, step as difference_step};
 
+use crate::room::{NoRoom, Unfinished};
 use crate::scene::parameters::Parameter;
 use crate::scene::{Scene, SceneDifferential, SceneError};
 use crate::trace::Backend;
@@ -191,13 +192,28 @@ impl From<SceneError> for EngineError {
     }
 }
 
+impl From<NoRoom> for EngineError {
+    fn from(error: NoRoom) -> Self {
+        EngineError::Failed(error.to_string())
+    }
+}
+
+impl From<Unfinished> for EngineError {
+    fn from(error: Unfinished) -> Self {
+        match error {
+            Unfinished::NoRoom(error) => error.into(),
+            Unfinished::Interrupted => EngineError::Interrupted,
+        }
+    }
+}
+
 /// Renders the image.
 pub fn render(
     scene: &Scene,
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Rendering, EngineError> {
-    let prepared = Prepared::new(scene, settings)?;
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     let mut done = prepared.render(settings, progress)?;
     done.statistics.spend("build", prepared.build_seconds);
     Ok(done)
@@ -215,7 +231,7 @@ pub fn forward(
         let workers = Workers::new(settings.threads)?;
         return differences::forward(scene, &workers, settings, direction, progress);
     }
-    let prepared = Prepared::new(scene, settings)?;
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     let mut done = prepared.forward(settings, direction, progress)?;
     done.statistics.spend("build", prepared.build_seconds);
     Ok(done)
@@ -229,7 +245,7 @@ pub fn backward(
     objective: &Objective,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
-    let prepared = Prepared::new(scene, settings)?;
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     let mut done = prepared.backward(settings, wanted, objective, progress)?;
     done.statistics.spend("build", prepared.build_seconds);
     Ok(done)

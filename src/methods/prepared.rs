@@ -7,6 +7,7 @@ use super::{
 use crate::paths::lights::Lights;
 use crate::paths::materials::MaterialTable;
 use crate::paths::sky::Sky;
+use crate::room::{Cancelled, Unfinished};
 use crate::scene::parameters::{self, Parameter};
 use crate::scene::{Mesh, Scene};
 use crate::trace::geometry::Geometry;
@@ -90,7 +91,12 @@ impl Edits {
 
 impl Parts {
     /// Makes everything of `scene`.
-    pub fn new(scene: &Scene, workers: &Workers, backend: Backend) -> Result<Self, EngineError> {
+    pub fn new(
+        scene: &Scene,
+        workers: &Workers,
+        backend: Backend,
+        cancelled: Cancelled,
+    ) -> Result<Self, EngineError> {
         let accel = Accel::build(
             &views(&scene.meshes),
             AccelOptions::new(true, workers.threads).on(backend),
@@ -100,7 +106,7 @@ impl Parts {
         Ok(Self {
             lights: lights(scene, &geometry, workers),
             materials: Arc::new(MaterialTable::new(scene)),
-            sky: sky(scene),
+            sky: sky(scene, workers, cancelled)?,
             adjacency: Arc::default(),
             geometry: Arc::new(geometry),
             accel: Arc::new(accel),
@@ -114,7 +120,8 @@ impl Parts {
         edits: &Edits,
         accel: Arc<Accel>,
         workers: &Workers,
-    ) -> Self {
+        cancelled: Cancelled,
+    ) -> Result<Self, EngineError> {
         let moves = edits.moved.contains(&true);
         let geometry = match moves {
             true => Arc::new(Geometry::new(scene)),
@@ -129,7 +136,7 @@ impl Parts {
             }
             None => Arc::default(),
         };
-        Self {
+        Ok(Self {
             lights: match edits.lights(scene) {
                 true => lights(scene, &geometry, workers),
                 false => self.lights.clone(),
@@ -139,13 +146,13 @@ impl Parts {
                 false => self.materials.clone(),
             },
             sky: match edits.sky(scene) {
-                true => sky(scene),
+                true => sky(scene, workers, cancelled)?,
                 false => self.sky.clone(),
             },
             adjacency,
             geometry,
             accel,
-        }
+        })
     }
 
     /// What rays are traced against.
@@ -159,13 +166,20 @@ fn lights(scene: &Scene, geometry: &Geometry, workers: &Workers) -> Arc<Lights> 
     Arc::new(workers.pool.install(new))
 }
 
-fn sky(scene: &Scene) -> Option<Arc<Sky>> {
-    let environment = scene.environment.as_ref()?;
-    let map = environment.map.as_ref()?;
-    Some(Arc::new(Sky::new(
-        &scene.textures[environment.radiance],
-        map,
-    )))
+fn sky(
+    scene: &Scene,
+    workers: &Workers,
+    cancelled: Cancelled,
+) -> Result<Option<Arc<Sky>>, Unfinished> {
+    let Some(environment) = &scene.environment else {
+        return Ok(None);
+    };
+    let Some(map) = &environment.map else {
+        return Ok(None);
+    };
+    let texture = &scene.textures[environment.radiance];
+    let made = workers.pool.install(|| Sky::new(texture, map, cancelled));
+    Ok(Some(Arc::new(made?)))
 }
 
 /// The meshes as they are traced.
@@ -191,8 +205,13 @@ pub struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     /// Prepares `scene` for the threads and the backend of the settings.
-    pub fn new(scene: &'a Scene, settings: &Settings) -> Result<Self, EngineError> {
-        Self::with_workers(scene, &Workers::new(settings.threads)?, settings.backend)
+    pub fn new(
+        scene: &'a Scene,
+        settings: &Settings,
+        cancelled: Cancelled,
+    ) -> Result<Self, EngineError> {
+        let workers = Workers::new(settings.threads)?;
+        Self::with_workers(scene, &workers, settings.backend, cancelled)
     }
 
     /// Prepares `scene` for threads that are there already.
@@ -200,11 +219,12 @@ impl<'a> Prepared<'a> {
         scene: &'a Scene,
         workers: &Workers,
         backend: Backend,
+        cancelled: Cancelled,
     ) -> Result<Self, EngineError> {
         let start = Instant::now();
         Ok(Self {
             scene,
-            parts: Parts::new(scene, workers, backend)?,
+            parts: Parts::new(scene, workers, backend, cancelled)?,
             workers: workers.clone(),
             build_seconds: start.elapsed().as_secs_f64(),
         })

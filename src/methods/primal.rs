@@ -8,6 +8,7 @@ use crate::paths::film::Block;
 use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
+use crate::room;
 use crate::scene::Rgb;
 use std::time::Instant;
 
@@ -23,11 +24,11 @@ pub fn render(
         ..settings.clone()
     };
     let stage = Stage::new(prepared, &settings, false, &mut statistics)?;
-    let mut images = GroupImages::new(&stage);
+    let mut images = GroupImages::new(&stage)?;
     trace(&stage, progress, &mut statistics, |group, block| {
         images.add(group, block)
     })?;
-    let image = stage.image(images.finish().0);
+    let image = stage.image(images.finish()?.0);
     Ok(Rendering { image, statistics })
 }
 
@@ -40,7 +41,8 @@ pub fn group_images(
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
     let stage = Stage::new(prepared, settings, false, statistics)?;
     let pixels = stage.size[0] * stage.size[1];
-    let mut images = vec![vec![[0.0; 3]; pixels]; stage.groups as usize];
+    let images = (0..stage.groups).map(|_| room::filled([0.0; 3], pixels));
+    let mut images = images.collect::<Result<Vec<_>, _>>()?;
     let width = stage.size[0];
     trace(&stage, progress, statistics, |group, block| {
         block.add_to(&mut images[group as usize], width);

@@ -36,8 +36,8 @@ pub fn forward(
 
     let clock = StageClock::start();
     let stores = Spare::new();
-    let mut images = GroupImages::new(&stage);
-    let mut gradients = GroupImages::new(&stage);
+    let mut images = GroupImages::new(&stage)?;
+    let mut gradients = GroupImages::new(&stage)?;
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
@@ -63,8 +63,8 @@ pub fn forward(
     statistics.add_counts(&counts);
     clock.stop(&mut statistics);
 
-    let image = stage.image(images.finish().0);
-    let (gradient, stderr) = gradients.finish();
+    let image = stage.image(images.finish()?.0);
+    let (gradient, stderr) = gradients.finish()?;
     let worst = stderr.as_deref().and_then(share_of_worst_pixels);
     let worst = worst.map(|share| ("gradient".into(), share));
     statistics.largest_parts.extend(worst);

@@ -1,9 +1,9 @@
-//! OpenEXR images: 32-bit float RGB out; any channel type and the usual channel layouts in.
+//! OpenEXR images of 32-bit float RGB are written.
 
 use super::{FileError, atomic};
 use crate::methods::Image;
 use exr::prelude::*;
-use std::io::{self, Cursor, Write};
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// Writes `image` as three 32-bit float channels, losslessly compressed.
@@ -28,92 +28,14 @@ pub fn write(path: &Path, image: &Image) -> std::result::Result<(), FileError> {
     atomic::write(path, |file| file.write_all(bytes.get_ref()))
 }
 
-/// Reads the first layer that has colour: channels `R`, `G`, `B` under any prefix, or one grey channel.
-pub fn read(path: &Path) -> std::result::Result<Image, FileError> {
-    let bytes =
-        std::fs::read(path).map_err(|error| FileError::contents(path, atomic::plain(&error)))?;
-    decode(&bytes).map_err(|what| FileError::contents(path, what))
-}
-
-/// Decodes the bytes of an OpenEXR file.
-pub fn decode(bytes: &[u8]) -> std::result::Result<Image, String> {
-    let file = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| format!("not a readable OpenEXR image: {}", describe(&error)))?;
-    let mut seen = Vec::new();
-    for layer in &file.layer_data {
-        let channels = &layer.channel_data.list;
-        seen.extend(channels.iter().map(|channel| channel.name.to_string()));
-        if let Some(rgb) = colour(channels) {
-            return assemble(layer.size, rgb);
-        }
-    }
-    Err(format!(
-        "no R, G and B channels, nor a single grey one; it has {}",
-        seen.join(", ")
-    ))
-}
-
-fn describe(error: &exr::error::Error) -> String {
-    match error {
-        exr::error::Error::Io(cause) if cause.kind() == io::ErrorKind::UnexpectedEof => {
-            "it ends too early".into()
-        }
-        other => other.to_string(),
-    }
-}
-
-/// The three channels to read. A grey channel stands for all three.
-fn colour(channels: &[AnyChannel<FlatSamples>]) -> Option<[&FlatSamples; 3]> {
-    let find = |wanted: &str| {
-        channels
-            .iter()
-            .find(|channel| {
-                // `layer.R`, `view.layer.R`, and Mitsuba's `<integrator>.R` are all red.
-                let name = channel.name.to_string();
-                name.rsplit('.')
-                    .next()
-                    .is_some_and(|last| last.eq_ignore_ascii_case(wanted))
-            })
-            .map(|channel| &channel.sample_data)
-    };
-    if let (Some(r), Some(g), Some(b)) = (find("R"), find("G"), find("B")) {
-        return Some([r, g, b]);
-    }
-    let grey = match channels {
-        [only] => &only.sample_data,
-        _ => find("Y")?,
-    };
-    Some([grey; 3])
-}
-
-fn assemble(size: Vec2<usize>, rgb: [&FlatSamples; 3]) -> std::result::Result<Image, String> {
-    let (width, height) = (size.width(), size.height());
-    if rgb.iter().any(|channel| channel.len() != width * height) {
-        return Err("its channels are subsampled".into());
-    }
-    let mut pixels = vec![[0.0; 3]; width * height];
-    for (c, channel) in rgb.iter().enumerate() {
-        for (pixel, value) in pixels.iter_mut().zip(channel.values_as_f32()) {
-            pixel[c] = value;
-        }
-    }
-    Ok(Image {
-        width,
-        height,
-        pixels,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::picture::PictureFile;
+
+    fn read(path: &Path) -> std::result::Result<Image, FileError> {
+        PictureFile::open(path)?.read()
+    }
 
     #[test]
     fn what_is_written_is_read_back() {
@@ -147,6 +69,12 @@ mod tests {
                 name,
                 FlatSamples::F16(values.iter().map(|v| f16::from_f32(*v)).collect()),
             )
+        };
+        let directory = tempfile::tempdir().unwrap();
+        let decode = |bytes: &[u8]| {
+            let path = directory.path().join("a.exr");
+            std::fs::write(&path, bytes).unwrap();
+            read(&path).map_err(|error| error.to_string())
         };
         let prefixed = encode(vec![
             half("c.R", [1., 2.]),

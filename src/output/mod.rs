@@ -13,6 +13,8 @@ pub mod results;
 pub mod tensors;
 pub mod unfinished;
 
+use crate::files;
+use std::io;
 use std::path::PathBuf;
 
 /// Why a file could not be written or read.
@@ -32,6 +34,15 @@ impl FileError {
         Self::Io {
             path: path.into(),
             what: what.to_string(),
+        }
+    }
+
+    /// What kept a file that the user named from being read.
+    pub fn unread(path: impl Into<PathBuf>, error: &io::Error) -> Self {
+        let what = atomic::plain(error);
+        match files::is_misnamed(error) {
+            true => Self::contents(path, what),
+            false => Self::io(path, what),
         }
     }
 

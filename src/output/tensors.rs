@@ -1,8 +1,8 @@
 //! Named gradients: safetensors for machine learning, npz for NumPy.
 
 use super::{FileError, atomic, npy};
-use safetensors::SafeTensors;
-use safetensors::tensor::{Dtype, TensorView};
+use crate::files::Regular;
+use safetensors::tensor::{Dtype, Metadata, TensorInfo, TensorView};
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
@@ -39,47 +39,121 @@ pub fn write_safetensors(path: &Path, tensors: &[Tensor]) -> Result<(), FileErro
     atomic::write(path, |writer| writer.write_all(&file))
 }
 
-/// A `.safetensors` file in memory.
-pub struct Tensors {
+/// A `.safetensors` file of which the header has been read.
+pub struct TensorFile {
     path: PathBuf,
-    bytes: Vec<u8>,
+    file: Regular,
+    metadata: Metadata,
+    /// All that comes before the tensors.
+    header_bytes: u64,
 }
 
-impl Tensors {
-    /// Reads a file.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
-        let bytes = std::fs::read(path)
-            .map_err(|error| FileError::contents(path, atomic::plain(&error)))?;
-        let path = path.to_path_buf();
-        Ok(Self { path, bytes })
+/// One tensor of a file, not yet read.
+pub struct Entry<'a> {
+    of: &'a TensorFile,
+    name: &'a str,
+    info: &'a TensorInfo,
+    /// Numbers in it.
+    count: usize,
+}
+
+/// The length of the header stands before it.
+const LENGTH_BYTES: u64 = 8;
+
+impl TensorFile {
+    /// Opens a file.
+    pub fn open(path: &Path) -> Result<Self, FileError> {
+        let unread = |error| FileError::unread(path, &error);
+        let wrong = |what: &str| {
+            let what = format!("not a readable .safetensors file: {what}");
+            FileError::contents(path, what)
+        };
+        let file = Regular::open(path).map_err(unread)?;
+        let length = file.start(LENGTH_BYTES).map_err(unread)?;
+        let length = <[u8; 8]>::try_from(length).map(u64::from_le_bytes);
+        let header_bytes = length.ok().and_then(|l| l.checked_add(LENGTH_BYTES));
+        let Some(header_bytes) = header_bytes.filter(|bytes| *bytes <= file.bytes()) else {
+            return Err(wrong("it is shorter than its header says"));
+        };
+        let header = file.start(header_bytes).map_err(unread)?;
+        let metadata: Metadata = serde_json::from_slice(&header[LENGTH_BYTES as usize..])
+            .map_err(|error| wrong(&format!("its header: {error}")))?;
+        if header_bytes.checked_add(metadata.data_len() as u64) != Some(file.bytes()) {
+            return Err(wrong("its length is not what its header says"));
+        }
+        Ok(Self {
+            path: path.into(),
+            file,
+            metadata,
+            header_bytes,
+        })
     }
 
-    /// The tensor of this name, as 32-bit floats.
-    pub fn get(&self, name: &str) -> Result<Tensor, FileError> {
+    /// The tensor of this name, if it holds 32- or 64-bit floats.
+    pub fn entry<'a>(&'a self, name: &'a str) -> Result<Entry<'a>, FileError> {
         let wrong = |what: String| FileError::contents(&self.path, what);
-        let file = SafeTensors::deserialize(&self.bytes)
-            .map_err(|error| wrong(format!("not a readable .safetensors file: {error}")))?;
-        let Ok(view) = file.tensor(name) else {
-            let mut has: Vec<&str> = file.names();
+        let Some(info) = self.metadata.info(name) else {
+            let mut has = self.metadata.offset_keys();
             has.sort_unstable();
             let has = has.join(", ");
             return Err(wrong(format!("no tensor \"{name}\"; it has {has}")));
         };
-        let values = match view.dtype() {
-            Dtype::F32 => {
-                let parts = view.data().as_chunks::<4>().0.iter();
-                parts.map(|part| f32::from_le_bytes(*part)).collect()
-            }
-            Dtype::F64 => {
-                let parts = view.data().as_chunks::<8>().0.iter();
-                parts.map(|part| f64::from_le_bytes(*part) as f32).collect()
-            }
+        let size = match info.dtype {
+            Dtype::F32 => 4,
+            Dtype::F64 => 8,
             other => return Err(wrong(format!("its numbers are {other:?}; use F32 or F64"))),
         };
+        let numbers = info
+            .shape
+            .iter()
+            .try_fold(1usize, |product, &n| product.checked_mul(n));
+        let (start, end) = info.data_offsets;
+        match numbers {
+            Some(count) if count.checked_mul(size) == end.checked_sub(start) => Ok(Entry {
+                of: self,
+                name,
+                info,
+                count,
+            }),
+            _ => Err(wrong(format!(
+                "tensor \"{name}\": bytes {start} to {end} are not what shape {} needs",
+                npy::tuple(&info.shape)
+            ))),
+        }
+    }
+
+    /// The tensor of this name, as 32-bit floats.
+    pub fn get(&self, name: &str) -> Result<Tensor, FileError> {
+        self.entry(name)?.read()
+    }
+}
+
+impl Entry<'_> {
+    /// Of the tensor.
+    pub fn shape(&self) -> &[usize] {
+        &self.info.shape
+    }
+
+    /// What reading the numbers takes in memory.
+    pub fn bytes_needed(&self) -> u64 {
+        4 * self.count as u64
+    }
+
+    /// Reads the numbers, as 32-bit floats.
+    pub fn read(&self) -> Result<Tensor, FileError> {
+        let start = self.of.header_bytes + self.info.data_offsets.0 as u64;
+        let values = self
+            .of
+            .file
+            .from(start)
+            .and_then(|from| match self.info.dtype {
+                Dtype::F64 => npy::floats(from, self.count, |b| f64::from_le_bytes(b) as f32),
+                _ => npy::floats(from, self.count, f32::from_le_bytes),
+            });
         Ok(Tensor {
-            name: name.into(),
-            shape: view.shape().to_vec(),
-            values,
+            name: self.name.into(),
+            shape: self.info.shape.clone(),
+            values: values.map_err(|error| FileError::unread(&self.of.path, &error))?,
         })
     }
 }

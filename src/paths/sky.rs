@@ -9,8 +9,10 @@
 
 use super::environment;
 use super::lights::luminance;
+use crate::room::{self, Cancelled, NoRoom, Unfinished};
 use crate::scene::{EnvironmentMap, Layout, Texture};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// The part of all samples that is spread evenly, so that what bins are too coarse for is not missed.
@@ -20,6 +22,9 @@ const MOST_COLUMNS: usize = 1024;
 /// Samples along each side of a texel's cell when the map is turned to another axis: this many where the map is coarse,
 /// fewer where it is as fine as the table.
 const SUBDIVISIONS: usize = 4;
+
+/// Rows of samples that are worked out at once, and then added in their order.
+const ROWS_AT_ONCE: usize = 64;
 
 /// A map, prepared for sampling.
 pub struct Sky {
@@ -53,7 +58,12 @@ pub struct SkyLine {
 }
 
 impl Sky {
-    pub fn new(texture: &Texture, map: &EnvironmentMap) -> Self {
+    /// Prepares a map on the threads of the pool this is called in.
+    pub fn new(
+        texture: &Texture,
+        map: &EnvironmentMap,
+        cancelled: Cancelled,
+    ) -> Result<Self, Unfinished> {
         let (width, height) = match texture.layout {
             Layout::Bitmap { width, height, .. } => (width as usize, height as usize),
             _ => (1, 2),
@@ -69,27 +79,46 @@ impl Sky {
         let other = columns.max(2 * rows).min(MOST_COLUMNS);
         let mut second = Meridians::empty(x, y, z, other, other.div_ceil(2));
         let n = (2 * MOST_COLUMNS / columns).clamp(1, SUBDIVISIONS);
-        for row in 0..rows * n {
-            for column in 0..columns * n {
-                let place = |i: usize, of: usize| (i as f64 + 0.5) / (of * n) as f64;
-                let (phi, psi) = (
-                    TAU * place(column, columns),
-                    FRAC_PI_2 - PI * place(row, rows),
-                );
-                let d = first.direction(phi, psi);
+        let place = |i: usize, of: usize| (i as f64 + 0.5) / (of * n) as f64;
+        let longitudes: Vec<[f64; 2]> = (0..columns * n)
+            .map(|column| TAU * place(column, columns))
+            .map(|phi| [phi.cos(), phi.sin()])
+            .collect();
+        // The power of each sample of a row, and the cell of the second table that it lies in.
+        let samples_of = |row: usize| -> Vec<(f64, usize)> {
+            let psi = FRAC_PI_2 - PI * place(row, rows);
+            let (sin, cos) = (psi.sin(), psi.cos());
+            let sample = |&[cos_phi, sin_phi]: &[f64; 2]| {
+                let d = first.axis * sin + (first.b * cos_phi + first.c * sin_phi) * cos;
                 let found = environment::lookup(texture, &still, d.as_vec3());
-                let power = luminance(found.value.to_array()) * psi.cos();
-                for table in [&mut first, &mut second] {
-                    table.add(d, power);
+                (luminance(found.value.to_array()) * cos, second.cell(d))
+            };
+            longitudes.iter().map(sample).collect()
+        };
+        let all: Vec<usize> = (0..rows * n).collect();
+        let (mut first_power, mut second_power) = (first.no_power()?, second.no_power()?);
+        for some in all.chunks(ROWS_AT_ONCE) {
+            if cancelled() {
+                return Err(Unfinished::Interrupted);
+            }
+            let found: Vec<_> = some.par_iter().map(|&row| samples_of(row)).collect();
+            // In one order, whatever the number of threads.
+            for (&row, samples) in some.iter().zip(&found) {
+                let first_row = first.row(FRAC_PI_2 - PI * place(row, rows));
+                for (column, &(power, cell)) in samples.iter().enumerate() {
+                    first_power[column / n * rows + first_row] += power;
+                    second_power[cell] += power;
                 }
             }
         }
+        first.row_sum = first_power;
+        second.row_sum = second_power;
         first.finish();
         second.finish();
-        Self {
+        Ok(Self {
             tables: [first, second],
             map: *map,
-        }
+        })
     }
 
     fn to_world(&self, d: DVec3) -> DVec3 {
@@ -158,8 +187,12 @@ impl Meridians {
             columns,
             rows,
             column_sum: vec![0.0; columns],
-            row_sum: vec![0.0; columns * rows],
+            row_sum: Vec::new(),
         }
+    }
+
+    fn no_power(&self) -> Result<Vec<f64>, NoRoom> {
+        room::filled(0.0, self.columns * self.rows)
     }
 
     fn direction(&self, phi: f64, psi: f64) -> DVec3 {
@@ -180,10 +213,10 @@ impl Meridians {
         ((psi / PI + 0.5) * self.rows as f64).clamp(0.0, self.rows as f64 - 1.0) as usize
     }
 
-    fn add(&mut self, d: DVec3, power: f64) {
+    /// Where among the rows of all columns a direction lies.
+    fn cell(&self, d: DVec3) -> usize {
         let (phi, psi) = self.place(d);
-        let at = self.column(phi) * self.rows + self.row(psi);
-        self.row_sum[at] += power;
+        self.column(phi) * self.rows + self.row(psi)
     }
 
     /// From power to sums, with an even part mixed in.
@@ -196,20 +229,24 @@ impl Meridians {
             .collect();
         let even_sum: f64 = even.iter().sum();
         let total: f64 = self.row_sum.iter().sum();
-        let mut sum = 0.0;
-        for column in 0..self.columns {
-            let powers = &mut self.row_sum[column * rows..(column + 1) * rows];
+        let columns = self.columns;
+        let finish = |powers: &mut [f64]| {
             let mut below = 0.0;
             for (power, even) in powers.iter_mut().zip(&even) {
                 let share = if total > 0.0 { *power / total } else { 0.0 };
-                let even = even / even_sum / self.columns as f64;
+                let even = even / even_sum / columns as f64;
                 let part = if total > 0.0 { EVEN } else { 1.0 };
                 below += share * (1.0 - part) + even * part;
                 *power = below;
             }
             powers.iter_mut().for_each(|p| *p /= below);
+            below
+        };
+        let sums: Vec<f64> = self.row_sum.par_chunks_mut(rows).map(finish).collect();
+        let mut sum = 0.0;
+        for (column, below) in self.column_sum.iter_mut().zip(sums) {
             sum += below;
-            self.column_sum[column] = sum;
+            *column = sum;
         }
         self.column_sum.iter_mut().for_each(|c| *c /= sum);
     }
@@ -292,7 +329,7 @@ mod tests {
     #[test]
     fn samples_and_lines_integrate_the_map() {
         let (texture, map) = sunny();
-        let sky = Sky::new(&texture, &map);
+        let sky = Sky::new(&texture, &map, &|| false).unwrap();
         let radiance = |d: Vec3| luminance(environment::lookup(&texture, &map, d).value.to_array());
         let n = 400;
         let grid = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;

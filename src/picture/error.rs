@@ -1,5 +1,7 @@
 //! Why a picture could not be read.
 
+use crate::files;
+use crate::room::NoRoom;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -39,23 +41,55 @@ impl PictureError {
     }
 }
 
-/// All bytes of a regular file. A device or a pipe may never end.
+/// All bytes of a regular file.
 pub(super) fn read_file(file: &Path) -> Result<Vec<u8>, PictureError> {
-    let bytes = std::fs::metadata(file).and_then(|about| {
-        let read = || std::fs::read(file).map(Some);
-        about.is_file().then(read).unwrap_or(Ok(None))
-    });
-    match bytes {
-        Ok(Some(bytes)) => Ok(bytes),
-        Ok(None) => Err(PictureError::contents(file, "not a regular file")),
-        Err(source) => match source.kind() {
-            io::ErrorKind::NotFound
-            | io::ErrorKind::NotADirectory
-            | io::ErrorKind::InvalidFilename => Err(PictureError::contents(file, "no such file")),
-            _ => Err(PictureError::Io {
-                file: file.to_path_buf(),
-                source,
-            }),
+    files::read(file).map_err(|source| match source {
+        source if source.kind() == io::ErrorKind::NotFound => {
+            PictureError::contents(file, "no such file")
+        }
+        source if files::is_misnamed(&source) => PictureError::contents(file, source.to_string()),
+        source => PictureError::Io {
+            file: file.to_path_buf(),
+            source,
         },
+    })
+}
+
+/// Why the bytes of a file did not become a picture.
+#[derive(Debug)]
+pub(super) enum Fault {
+    /// What is wrong with them.
+    Contents(String),
+    NoRoom(NoRoom),
+}
+
+impl Fault {
+    /// The same of `file`.
+    pub fn of(self, file: &Path) -> PictureError {
+        match self {
+            Fault::Contents(what) => PictureError::contents(file, what),
+            Fault::NoRoom(error) => PictureError::Io {
+                file: file.to_path_buf(),
+                source: error.into(),
+            },
+        }
+    }
+}
+
+impl From<String> for Fault {
+    fn from(what: String) -> Self {
+        Fault::Contents(what)
+    }
+}
+
+impl From<&str> for Fault {
+    fn from(what: &str) -> Self {
+        Fault::Contents(what.into())
+    }
+}
+
+impl From<NoRoom> for Fault {
+    fn from(error: NoRoom) -> Self {
+        Fault::NoRoom(error)
     }
 }

@@ -3,8 +3,10 @@
 //! Blocks are decoded one by one, so that layers, mip-map levels and channels which are not asked for
 //! take no memory.
 
-use super::size::{room, texels};
-use super::{Encoding, Picture};
+use super::error::Fault;
+use super::size::texels;
+use super::{ChannelNames, Encoding, Picture};
+use crate::room;
 use ::exr::block::{self, UncompressedBlock, reader::ChunksReader};
 use ::exr::error::Error;
 use ::exr::meta::header::Header;
@@ -16,15 +18,16 @@ const MOST_BYTES: u64 = 1 << 32;
 
 const LARGEST_LEVEL: Vec2<usize> = Vec2(0, 0);
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Picture, String> {
+pub(super) fn decode(bytes: &[u8], names: ChannelNames) -> Result<Picture, Fault> {
     let reader = block::read(Cursor::new(bytes), false).map_err(|e| unreadable(&e))?;
-    let layer = Layer::choose(reader.headers())?;
+    let layer = Layer::choose(reader.headers(), names)?;
     let Vec2(width, height) = layer.header.layer_size;
     let count = texels(width as u64, height as u64, bytes.len())?;
     layer.check(count)?;
     // Whatever no block covers is found out with the other texels that are not finite.
-    let mut pixels = room(count)?;
-    pixels.resize(count, [f32::NAN; 3]);
+    let mut pixels = room::filled([f32::NAN; 3], count)?;
+    // The compressed and the decoded bytes of a block, which may be the whole picture.
+    room::look_for(2 * layer.header.max_block_byte_size() as u64)?;
     let chunks = reader
         .filter_chunks(false, |_, _, block| {
             block.layer == layer.index && block.level == LARGEST_LEVEL
@@ -51,12 +54,12 @@ struct Layer {
 
 impl Layer {
     /// The first that has colours.
-    fn choose(headers: &[Header]) -> Result<Self, String> {
+    fn choose(headers: &[Header], allowed: ChannelNames) -> Result<Self, String> {
         let mut seen = Vec::new();
         for (index, header) in headers.iter().enumerate() {
             let names = header.channels.list.iter().map(|c| c.name.to_string());
             let names: Vec<_> = names.collect();
-            if let Some(channels) = colour(&names) {
+            if let Some(channels) = colour(&names, allowed) {
                 let header = header.clone();
                 return Ok(Self {
                     index,
@@ -145,12 +148,20 @@ fn fill(
 }
 
 /// Where red, green and blue are among a layer's channels.
-fn colour(names: &[String]) -> Option<[usize; 3]> {
-    let find = |wanted: &str| names.iter().position(|name| name == wanted);
+fn colour(names: &[String], allowed: ChannelNames) -> Option<[usize; 3]> {
+    let is_called = |name: &str, wanted: &str| match allowed {
+        ChannelNames::Plain => name == wanted,
+        ChannelNames::WithPrefix => {
+            let last = name.rsplit('.').next().unwrap_or(name);
+            last.eq_ignore_ascii_case(wanted)
+        }
+    };
+    let find = |wanted: &str| names.iter().position(|name| is_called(name, wanted));
     match (find("R"), find("G"), find("B")) {
         (Some(r), Some(g), Some(b)) => Some([r, g, b]),
         // Beside chroma, Y is no grey picture.
         _ if find("RY").or(find("BY")).is_some() => None,
+        _ if allowed == ChannelNames::WithPrefix && names.len() == 1 => Some([0; 3]),
         _ => find("Y").map(|y| [y; 3]),
     }
 }

@@ -1,6 +1,7 @@
 //! The C interface of `ffi/oiio_shim.h`, and what makes it safe.
 
-use super::size::room;
+use super::error::Fault;
+use crate::room;
 use std::ffi::{CStr, CString, c_char};
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
@@ -43,7 +44,7 @@ impl Open {
     }
 
     /// `width · height · channels` numbers, row by row from the top. The size must have been checked.
-    pub fn samples(&mut self) -> Result<Vec<f32>, String> {
+    pub fn samples(&mut self) -> Result<Vec<f32>, Fault> {
         let Spec {
             width,
             height,
@@ -51,8 +52,7 @@ impl Open {
             ..
         } = self.spec;
         let count = width as usize * height as usize * channels as usize;
-        let mut samples = room(count)?;
-        samples.resize(count, 0.0);
+        let mut samples = room::filled(0.0, count)?;
         let mut message = no_message();
         // SAFETY: the picture is open, and `samples` is as long as its spec says.
         let failed = unsafe {
@@ -61,7 +61,8 @@ impl Open {
         if failed == 0 {
             Ok(samples)
         } else {
-            Err(text(&message))
+            let what = text(&message);
+            Err(format!("not a readable picture: OpenImageIO says: {what}").into())
         }
     }
 }

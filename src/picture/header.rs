@@ -1,12 +1,13 @@
 //! How large a picture is, before it is decoded.
 
 use super::format::Format;
+use super::pfm;
 use image::ImageDecoder;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use std::io::Cursor;
 
-/// Width and height in texels of a picture whose file says so at its beginning; `None` for all else, broken pictures
-/// included: decoding tells what is wrong with them. A PFM is as large as its file.
+/// Width and height in texels of a picture whose file begins with `bytes`; `None` if they do not say, or are broken:
+/// decoding tells what is wrong with them.
 pub fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
     let from = Cursor::new(bytes);
     let (width, height) = match Format::of(bytes)? {
@@ -19,7 +20,10 @@ pub fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
             let largest = sizes.max_by_key(|size| size.area())?;
             (largest.width() as u32, largest.height() as u32)
         }
-        Format::Pfm => return None,
+        Format::Pfm => {
+            let mut rest = bytes;
+            return pfm::header(&mut rest).ok().map(|(_, size)| size);
+        }
     };
     Some([width, height])
 }

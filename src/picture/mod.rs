@@ -21,6 +21,7 @@ pub use error::PictureError;
 pub use header::size_of;
 pub use srgb::srgb_to_linear;
 
+use error::Fault;
 use format::Format;
 use std::path::Path;
 
@@ -58,14 +59,38 @@ pub enum Colours {
     Raw,
 }
 
+/// How the channels of an OpenEXR file may be called.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChannelNames {
+    /// R, G and B, or Y.
+    #[default]
+    Plain,
+    /// These, large or small, or `layer.R` and so on, as renderers write them; or a single one of any name.
+    WithPrefix,
+}
+
+/// What of a file's pixels is wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wanted {
+    pub colours: Colours,
+    pub channels: ChannelNames,
+}
+
+impl From<Colours> for Wanted {
+    fn from(colours: Colours) -> Self {
+        let channels = ChannelNames::default();
+        Self { colours, channels }
+    }
+}
+
 /// Reads a picture file.
 ///
 /// # Errors
 ///
 /// One sentence that names the file, if it is not there or is no picture in a known format, if it is
-/// broken, ends too early or is absurdly large, or if a texel is not finite.
-pub fn read(file: &Path, colours: Colours) -> Result<Picture, PictureError> {
-    decode(&error::read_file(file)?, file, colours)
+/// broken, ends too early or is absurdly large, if a texel is not finite, or if memory does not hold it.
+pub fn read(file: &Path, wanted: impl Into<Wanted>) -> Result<Picture, PictureError> {
+    decode(&error::read_file(file)?, file, wanted)
 }
 
 /// As [`read`], but the `bytes` of `file` have been read already. The file's name is for errors; and for
@@ -74,12 +99,17 @@ pub fn read(file: &Path, colours: Colours) -> Result<Picture, PictureError> {
 /// # Errors
 ///
 /// Those of [`read`].
-pub fn decode(bytes: &[u8], file: &Path, colours: Colours) -> Result<Picture, PictureError> {
+pub fn decode(
+    bytes: &[u8],
+    file: &Path,
+    wanted: impl Into<Wanted>,
+) -> Result<Picture, PictureError> {
+    let Wanted { colours, channels } = wanted.into();
     if bytes.is_empty() {
         return Err(PictureError::contents(file, "the file is empty"));
     }
     let picture = match Format::of(bytes) {
-        Some(Format::Exr) => exr::decode(bytes),
+        Some(Format::Exr) => exr::decode(bytes, channels),
         Some(Format::Png) => png_jpeg_hdr::png(bytes, colours),
         Some(Format::Jpeg) => png_jpeg_hdr::jpeg(bytes, colours),
         Some(Format::Hdr) => png_jpeg_hdr::hdr(bytes),
@@ -87,23 +117,23 @@ pub fn decode(bytes: &[u8], file: &Path, colours: Colours) -> Result<Picture, Pi
         #[cfg(feature = "oiio")]
         None => return oiio::read(file, colours),
         #[cfg(not(feature = "oiio"))]
-        None => Err(format::unknown(file)),
+        None => Err(format::unknown(file).into()),
     };
     picture
         .and_then(Picture::all_finite)
-        .map_err(|what| PictureError::contents(file, what))
+        .map_err(|fault| fault.of(file))
 }
 
 impl Picture {
     /// The picture itself, or where it is not finite.
-    fn all_finite(self) -> Result<Self, String> {
+    fn all_finite(self) -> Result<Self, Fault> {
         let is_bad = |texel: &[f32; 3]| texel.iter().any(|v| !v.is_finite());
         match self.pixels.iter().position(is_bad) {
             None => Ok(self),
             Some(at) => {
                 let width = self.width as usize;
                 let (x, y) = (at % width, at / width);
-                Err(format!("the texel at x {x}, y {y} is not finite"))
+                Err(format!("the texel at x {x}, y {y} is not finite").into())
             }
         }
     }

@@ -1,8 +1,10 @@
 //! Every other format, by OpenImageIO: TIFF, tiled and mip-mapped textures, and what else it knows.
 
+use super::error::Fault;
 use super::ffi::Open;
-use super::size::{room, texels};
+use super::size::texels;
 use super::{Colours, Encoding, Picture, PictureError, format, srgb_to_linear};
+use crate::room;
 use std::path::Path;
 
 /// Reads a picture of any format that OpenImageIO knows: the first image of the file, of mip maps the
@@ -14,10 +16,10 @@ use std::path::Path;
 pub fn read(file: &Path, colours: Colours) -> Result<Picture, PictureError> {
     decode(file, colours)
         .and_then(Picture::all_finite)
-        .map_err(|what| PictureError::contents(file, what))
+        .map_err(|fault| fault.of(file))
 }
 
-fn decode(file: &Path, colours: Colours) -> Result<Picture, String> {
+fn decode(file: &Path, colours: Colours) -> Result<Picture, Fault> {
     let says = |what| format!("{}; OpenImageIO says: {what}", format::unknown(file));
     let mut open = Open::new(file).map_err(says)?;
     let spec = open.spec;
@@ -26,11 +28,10 @@ fn decode(file: &Path, colours: Colours) -> Result<Picture, String> {
         return Err(format!(
             "its first channels are neither R, G and B, nor Y, but {}",
             open.other_channels
-        ));
+        )
+        .into());
     }
-    let samples = open
-        .samples()
-        .map_err(|what| format!("not a readable picture: OpenImageIO says: {what}"))?;
+    let samples = open.samples()?;
     let encoding = if spec.is_integer != 0 && spec.is_linear == 0 {
         Encoding::Srgb
     } else {
@@ -40,7 +41,7 @@ fn decode(file: &Path, colours: Colours) -> Result<Picture, String> {
         (Encoding::Srgb, Colours::Auto) => srgb_to_linear(v),
         _ => v,
     };
-    let mut pixels = room(count)?;
+    let mut pixels = room::empty(count)?;
     let texels = samples.chunks_exact(spec.channels as usize);
     pixels.extend(texels.map(|texel| match *texel {
         [r, g, b] => [r, g, b].map(value),

@@ -1,19 +1,23 @@
 //! Portable float maps: a line each for the kind, the size and the scale, then plain floats.
 
-use super::size::{room, texels};
+use super::error::Fault;
+use super::size::texels;
 use super::{Encoding, Picture};
+use crate::room;
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Picture, String> {
+/// The kind, width and height at the beginning of `rest`, which then is what follows them.
+pub(super) fn header<'a>(rest: &mut &'a [u8]) -> Result<(&'a str, [u32; 2]), String> {
+    let kind = word(rest)?;
+    Ok((kind, [number(rest, "width")?, number(rest, "height")?]))
+}
+
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture, Fault> {
     let mut rest = bytes;
-    let channels = match word(&mut rest)? {
-        "PF" => 3,
-        _ => 1,
-    };
-    let width: u32 = number(&mut rest, "width")?;
-    let height: u32 = number(&mut rest, "height")?;
+    let (kind, [width, height]) = header(&mut rest)?;
+    let channels = if kind == "PF" { 3 } else { 1 };
     let scale: f32 = number(&mut rest, "scale")?;
     if !scale.is_finite() || scale == 0.0 {
-        return Err(format!("not a readable PFM picture: its scale is {scale}"));
+        return Err(format!("not a readable PFM picture: its scale is {scale}").into());
     }
     let count = texels(width.into(), height.into(), bytes.len())?;
     let Some(data) = rest.get(..count * channels * 4) else {
@@ -29,7 +33,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Picture, String> {
             }
     };
     let (floats, _) = data.as_chunks::<4>();
-    let mut pixels = room(count)?;
+    let mut pixels = room::empty(count)?;
     // Rows come from the bottom.
     for row in floats.chunks_exact(width as usize * channels).rev() {
         pixels.extend(row.chunks_exact(channels).map(|texel| match *texel {

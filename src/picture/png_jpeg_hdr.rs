@@ -2,8 +2,10 @@
 //!
 //! As Mitsuba does, colour profiles, gamma chunks, orientation tags and exposure lines are left alone.
 
-use super::size::{room, texels};
+use super::error::Fault;
+use super::size::texels;
 use super::{Colours, Encoding, Picture, jpeg_end, srgb_to_linear};
+use crate::room;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use image::{ImageDecoder, ImageError, Limits};
 use std::error::Error;
@@ -12,7 +14,7 @@ use std::io::{self, Cursor};
 /// What one row and the texts beside a PNG's pixels may take, in bytes.
 const MOST_FOR_PNG_CHUNKS: u64 = 64 << 20;
 
-pub(super) fn png(bytes: &[u8], colours: Colours) -> Result<Picture, String> {
+pub(super) fn png(bytes: &[u8], colours: Colours) -> Result<Picture, Fault> {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_FOR_PNG_CHUNKS);
     let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits);
@@ -20,7 +22,7 @@ pub(super) fn png(bytes: &[u8], colours: Colours) -> Result<Picture, String> {
     Samples::read("PNG", decoder, bytes.len())?.integers(colours)
 }
 
-pub(super) fn jpeg(bytes: &[u8], colours: Colours) -> Result<Picture, String> {
+pub(super) fn jpeg(bytes: &[u8], colours: Colours) -> Result<Picture, Fault> {
     if !jpeg_end::is_whole(bytes) {
         return Err("not a readable JPEG picture: it ends too early".into());
     }
@@ -29,7 +31,7 @@ pub(super) fn jpeg(bytes: &[u8], colours: Colours) -> Result<Picture, String> {
     Samples::read("JPEG", decoder, bytes.len())?.integers(colours)
 }
 
-pub(super) fn hdr(bytes: &[u8]) -> Result<Picture, String> {
+pub(super) fn hdr(bytes: &[u8]) -> Result<Picture, Fault> {
     // Strictly, files that begin with `#?RGBE` would be none.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(bytes));
     let decoder = decoder.map_err(|error| unreadable("HDR", &error))?;
@@ -47,14 +49,17 @@ struct Samples {
 }
 
 impl Samples {
-    fn read(name: &str, decoder: impl ImageDecoder, file_bytes: usize) -> Result<Self, String> {
+    fn read(name: &str, decoder: impl ImageDecoder, file_bytes: usize) -> Result<Self, Fault> {
         let (width, height) = decoder.dimensions();
         let layout = decoder.color_type();
         let bytes_per_texel = usize::from(layout.bytes_per_pixel());
         let channels = usize::from(layout.channel_count());
         let length = texels(width.into(), height.into(), file_bytes)? * bytes_per_texel;
-        let mut bytes = room(length)?;
-        bytes.resize(length, 0);
+        let mut bytes = room::filled(0, length)?;
+        if name == "JPEG" {
+            // A progressive one is held whole, as 16-bit coefficients of three channels at most.
+            room::look_for(6 * length as u64)?;
+        }
         decoder
             .read_image(&mut bytes)
             .map_err(|error| unreadable(name, &error))?;
@@ -67,7 +72,7 @@ impl Samples {
         })
     }
 
-    fn integers(self, colours: Colours) -> Result<Picture, String> {
+    fn integers(self, colours: Colours) -> Result<Picture, Fault> {
         let largest = if self.bytes_per_sample == 1 {
             u8::MAX.into()
         } else {
@@ -90,7 +95,7 @@ impl Samples {
         }
     }
 
-    fn floats(self) -> Result<Picture, String> {
+    fn floats(self) -> Result<Picture, Fault> {
         self.picture(Encoding::Linear, f32::from_ne_bytes)
     }
 
@@ -99,10 +104,10 @@ impl Samples {
         self,
         encoding: Encoding,
         value: impl Fn([u8; N]) -> f32,
-    ) -> Result<Picture, String> {
+    ) -> Result<Picture, Fault> {
         let (samples, _) = self.bytes.as_chunks::<N>();
         let colour = if self.channels < 3 { [0; 3] } else { [0, 1, 2] };
-        let mut pixels = room(samples.len() / self.channels)?;
+        let mut pixels = room::empty(samples.len() / self.channels)?;
         let texels = samples.chunks_exact(self.channels);
         pixels.extend(texels.map(|texel| colour.map(|c| value(texel[c]))));
         Ok(Picture {

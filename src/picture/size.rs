@@ -24,13 +24,3 @@ pub(super) fn texels(width: u64, height: u64, file_bytes: usize) -> Result<usize
     }
     Ok(count as usize)
 }
-
-/// An empty vector with room for `count` items, or a sentence where memory ends.
-pub(super) fn room<T>(count: usize) -> Result<Vec<T>, String> {
-    let mut items = Vec::new();
-    items.try_reserve_exact(count).map_err(|_| {
-        let megabytes = count.saturating_mul(size_of::<T>()) >> 20;
-        format!("no memory for it: {megabytes} MB are needed")
-    })?;
-    Ok(items)
-}

@@ -1,6 +1,7 @@
 //! Where scene and mesh files come from: the disk, or memory in tests and fuzzing.
 
 use super::error::SceneError;
+use crate::files;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -24,14 +25,7 @@ pub struct Disk;
 
 impl FileSource for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        // A device or a pipe may never end: only regular files are read.
-        if !std::fs::metadata(path)?.is_file() {
-            return Err(io::Error::new(
-                io::ErrorKind::InvalidInput,
-                "not a regular file",
-            ));
-        }
-        std::fs::read(path)
+        files::read(path)
     }
 
     fn exists(&self, path: &Path) -> bool {

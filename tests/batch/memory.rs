@@ -1,7 +1,7 @@
 //! Memory is admitted, not hoped for.
 
 use crate::jobs::{result, results, run, write};
-use crate::workplace::{SCENE, workplace};
+use crate::workplace::{SCENE, npy, workplace};
 use serde_json::json;
 
 #[test]
@@ -77,6 +77,63 @@ fn crc(bytes: &[u8]) -> u32 {
         })
     };
     !bytes.iter().fold(!0, step)
+}
+
+#[test]
+fn files_that_a_job_names_are_counted_before_they_are_read() {
+    let directory = workplace();
+    let at = directory.path();
+    // As long as their headers say, without a block on the disk.
+    let sparse = |name: &str, bytes: u64| {
+        let file = std::fs::File::options().append(true).open(at.join(name));
+        let file = file.unwrap();
+        let header = file.metadata().unwrap().len();
+        file.set_len(header + bytes).unwrap();
+    };
+    npy(at, "target.npy", "<f4", "(1500, 2000, 3)", &[]);
+    sparse("target.npy", 36_000_000);
+    std::fs::write(at.join("target.pfm"), "PF\n2000 1500\n-1.0\n").unwrap();
+    sparse("target.pfm", 36_000_000);
+    npy(at, "long.npy", "<f4", "(150000000,)", &[]);
+    sparse("long.npy", 600_000_000);
+    let job = |id: &str, target: &str| {
+        json!({"id": id, "mode": "backward", "scene": "s.xml", "params": ["floor.scale"], "resolution": [2000, 1500],
+               "target": target})
+    };
+    let mut long = job("long", "small.npy");
+    long["resolution"] = json!([4, 4]);
+    long["set"] = json!({"floor.scale": "long.npy"});
+    write(
+        at,
+        "jobs.jsonl",
+        &[
+            job("array", "target.npy"),
+            job("picture", "target.pfm"),
+            long,
+        ],
+    );
+    run(at, "batch jobs.jsonl -o out -t 1 --memory 200M", 5);
+    let megabytes = |id: &str| -> f64 {
+        let failed = result(&at.join("out"), id);
+        assert_eq!(failed["code"], 4, "{failed}");
+        let message = failed["message"].as_str().unwrap();
+        let (_, rest) = message.split_once("the job needs about ").unwrap();
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    // A picture's file is in memory beside its pixels, an array's is not.
+    let more = megabytes("picture") - megabytes("array");
+    assert!((30.0..40.0).contains(&more), "{more} MB");
+    let failed = result(&at.join("out"), "long");
+    let message = failed["message"].as_str().unwrap();
+    assert_eq!(failed["code"], 3, "{message}");
+    assert!(
+        message.contains("long.npy: the shape is (150000000,), floor.scale has (1,)"),
+        "{message}"
+    );
+    let report = std::fs::read(at.join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    let peak = report["summary"]["peak_memory_bytes"].as_u64().unwrap();
+    assert!(peak < 200 << 20, "{} MB", peak >> 20);
 }
 
 #[test]

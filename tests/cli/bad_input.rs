@@ -94,7 +94,10 @@ fn bad_input_is_told() {
             "is given twice",
         ),
         (target("nosuch.exr"), "nosuch.exr"),
-        (target("text.exr"), "not a readable OpenEXR image"),
+        (
+            target("text.exr"),
+            "its contents are not what its name says",
+        ),
         (
             target("photo.jpg"),
             "its contents are not what its name says",

@@ -42,7 +42,11 @@ const FAR: &str = "is too far from the origin: single precision reaches to 1e9";
 fn what_is_not_finite_is_no_result() {
     let directory = place();
     let table = [
-        ("render s.xml -D radiance=3.4e38 -D turn=0 -D x=0 -o a", 3, FINITE),
+        (
+            "render s.xml -D radiance=3.4e38 -D turn=0 -D x=0 -o a",
+            3,
+            FINITE,
+        ),
         (
             "forward s.xml -D radiance=3e38 -D turn=0 -D x=0 --param lamp.translation=1e4,0,0 -o b",
             3,

@@ -69,7 +69,8 @@ fn numbers(d: &SceneDifferential) -> impl Iterator<Item = f64> + '_ {
 
 /// The scene, ready to be traced by one thread.
 pub fn prepared(scene: &Scene) -> Prepared<'_> {
-    Prepared::new(scene, &settings(scene, Method::Interior, 1, 0)).expect("a scene")
+    let settings = settings(scene, Method::Interior, 1, 0);
+    Prepared::new(scene, &settings, &|| false).expect("a scene")
 }
 
 /// ⟨J·v, w⟩ and ⟨v, Jᵀ·w⟩.
