@@ -72,6 +72,10 @@ impl<'a> Counted<'a> {
 
 impl FileSource for Counted<'_> {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        if (self.cancelled)() {
+            self.inner.borrow_mut().refusal = Some(Failure::Interrupted(2));
+            return Err(io::ErrorKind::Interrupted.into());
+        }
         let stamp = Stamp::of(path);
         if let Ok(metadata) = std::fs::metadata(path) {
             self.count(path, GROWTH * metadata.len())?;

@@ -27,7 +27,7 @@ use arguments::{Arguments, Command};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use exit::Failure;
-use log::Log;
+use log::{Log, harmless};
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
@@ -40,7 +40,7 @@ pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
     let typed: Vec<OsString> = typed.into_iter().collect();
     match Arguments::try_parse_from(&typed) {
         Ok(arguments) => ended(log_of(&arguments), dispatch(&arguments, &typed)),
-        Err(error) => not_parsed(&error),
+        Err(error) => not_parsed(&error, &typed),
     }
 }
 
@@ -86,7 +86,7 @@ fn log_of(arguments: &Arguments) -> Log {
 }
 
 /// Help and the version count as success; everything else clap stops at is wrong usage.
-fn not_parsed(error: &clap::Error) -> ExitCode {
+fn not_parsed(error: &clap::Error, typed: &[OsString]) -> ExitCode {
     if error.kind() == ErrorKind::InvalidSubcommand
         && let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
         && NOT_BUILT_YET.contains(&name.as_str())
@@ -95,7 +95,15 @@ fn not_parsed(error: &clap::Error) -> ExitCode {
         Log::plain().error(&failure.to_string());
         return ExitCode::from(&failure);
     }
-    let printed = error.print();
+    let is_plain = |argument: &OsString| argument.to_str().is_some_and(|a| a == harmless(a));
+    let printed = match error.use_stderr() && !typed.iter().all(is_plain) {
+        true => writeln!(
+            std::io::stderr(),
+            "{}",
+            harmless(&error.render().to_string())
+        ),
+        false => error.print(),
+    };
     if error.use_stderr() {
         // Nobody is left to tell when stderr is gone.
         return ExitCode::from(&Failure::Usage(String::new()));

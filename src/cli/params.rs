@@ -2,7 +2,7 @@
 
 use super::arguments::ParamsArguments;
 use super::exit::Failure;
-use super::log::Log;
+use super::log::{Log, harmless};
 use super::session;
 use super::signals::Signals;
 use crate::output::npy;
@@ -50,7 +50,7 @@ fn short(value: f64) -> f64 {
 
 fn table(list: &[Parameter]) -> String {
     let rows: Vec<[String; 5]> = std::iter::once(COLUMNS.map(String::from))
-        .chain(list.iter().map(row))
+        .chain(list.iter().map(|p| row(p).map(|cell| harmless(&cell))))
         .collect();
     // The last column is not padded: the other names of one colour can be very many.
     let widths: [usize; 4] = std::array::from_fn(|column| {

@@ -20,6 +20,24 @@ pub struct SkyLookup {
     pub by_direction: [Vec3; 2],
 }
 
+/// The radiance, not scaled, at `place` of a bitmap: columns from the left edge and rows from the top, in texels.
+pub fn value_at(texture: &Texture, [width, height]: [u32; 2], place: [f64; 2]) -> Vec3 {
+    let x = place[0] - 0.5;
+    let y = place[1].min(f64::from(height - 1));
+    let (low_x, low_y) = (x.floor(), y.floor().min(f64::from(height) - 2.0).max(0.0));
+    let (part_x, part_y) = ((x - low_x) as f32, (y - low_y) as f32);
+    let columns = [0, 1].map(|dx| (low_x as i64 + dx).rem_euclid(i64::from(width)) as usize);
+    let row = |dy: u32| {
+        let first = (low_y as u32 + dy).min(height - 1) as usize * width as usize;
+        // A constant has one texel for all places.
+        let last = texture.texels.len() - 1;
+        let texel = |column| Vec3::from(texture.texels[last.min(first + column)]);
+        let [a, b] = columns.map(texel);
+        a * (1.0 - part_x) + b * part_x
+    };
+    row(0) * (1.0 - part_y) + row(1) * part_y
+}
+
 /// The scaled radiance along a world direction of any length.
 pub fn lookup(texture: &Texture, map: &EnvironmentMap, direction: Vec3) -> SkyLookup {
     let Layout::Bitmap { width, height, .. } = texture.layout else {

@@ -68,10 +68,6 @@ impl Sky {
             Layout::Bitmap { width, height, .. } => (width as usize, height as usize),
             _ => (1, 2),
         };
-        let still = EnvironmentMap {
-            to_world: glam::Mat3::IDENTITY,
-            ..*map
-        };
         let (y, x, z) = (DVec3::Y, DVec3::X, DVec3::Z);
         let (columns, rows) = (width, (height - 1).max(1));
         // u = atan2(x, −z)/2π: φ = 2πu with b = −z, c = x; rows run from the north pole down.
@@ -88,12 +84,14 @@ impl Sky {
         let samples_of = |row: usize| -> Vec<(f64, usize)> {
             let psi = FRAC_PI_2 - PI * place(row, rows);
             let (sin, cos) = (psi.sin(), psi.cos());
-            let sample = |&[cos_phi, sin_phi]: &[f64; 2]| {
+            let sample = |(column, &[cos_phi, sin_phi]): (usize, &[f64; 2])| {
                 let d = first.axis * sin + (first.b * cos_phi + first.c * sin_phi) * cos;
-                let found = environment::lookup(texture, &still, d.as_vec3());
-                (luminance(found.value.to_array()) * cos, second.cell(d))
+                let at = [column, row].map(|i| (i as f64 + 0.5) / n as f64);
+                let value = environment::value_at(texture, [width as u32, height as u32], at);
+                let power = luminance(value.to_array()) * f64::from(map.scale) * cos;
+                (power, second.cell(d))
             };
-            longitudes.iter().map(sample).collect()
+            longitudes.iter().enumerate().map(sample).collect()
         };
         let all: Vec<usize> = (0..rows * n).collect();
         let (mut first_power, mut second_power) = (first.no_power()?, second.no_power()?);

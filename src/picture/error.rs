@@ -44,14 +44,17 @@ impl PictureError {
 /// All bytes of a regular file.
 pub(super) fn read_file(file: &Path) -> Result<Vec<u8>, PictureError> {
     files::read(file).map_err(|source| match source {
-        source if source.kind() == io::ErrorKind::NotFound => {
-            PictureError::contents(file, "no such file")
-        }
-        source if files::is_misnamed(&source) => PictureError::contents(file, source.to_string()),
-        source => PictureError::Io {
+        source if !files::is_misnamed(&source) => PictureError::Io {
             file: file.to_path_buf(),
             source,
         },
+        source => PictureError::contents(
+            file,
+            match source.kind() {
+                io::ErrorKind::InvalidInput => "not a regular file",
+                _ => "no such file",
+            },
+        ),
     })
 }
 

@@ -186,3 +186,73 @@ fn what_memory_does_not_hold_is_no_fault_of_the_file() {
         )],
     );
 }
+
+#[test]
+fn control_characters_of_files_do_not_reach_the_terminal() {
+    let directory = workplace();
+    let at = directory.path();
+    let bell = "\x1b]0;x\x07";
+    let write = |name: &str, text: String| std::fs::write(at.join(name), text).unwrap();
+    write("width.pfm", format!("PF\n{bell} 6\n-1.0\n"));
+    npy(at, "kind.npy", &format!("<{bell}"), "(3,)", &[0; 12]);
+    write(
+        "mesh.ply",
+        format!("ply\nformat ascii 1.0\nelement {bell} 1\nproperty float x\nend_header\n"),
+    );
+    write("mesh.obj", format!("v 0 0 {bell}\n"));
+    for file in ["mesh.ply", "mesh.obj"] {
+        let kind = &file[5..];
+        let mesh = format!(
+            r#"<shape type="{kind}"><string name="filename" value="{file}"/></shape></scene>"#
+        );
+        write(&format!("{kind}.xml"), SCENE.replace("</scene>", &mesh));
+    }
+    let c1 = "\u{9b}31m";
+    write(
+        "c1.xml",
+        SCENE.replace(
+            "type=\"rectangle\" id=\"floor\"",
+            &format!("type=\"{c1}\" id=\"floor\""),
+        ),
+    );
+    write(
+        "id.xml",
+        SCENE.replace("id=\"floor\"", &format!("id=\"{c1}\"")),
+    );
+    let name = format!("no{bell}\nerror: such");
+    let lines: [(&[&str], i32); 9] = [
+        (
+            &[
+                "backward",
+                "s.xml",
+                "--param",
+                "floor.scale",
+                "--target",
+                "width.pfm",
+            ],
+            3,
+        ),
+        (
+            &["forward", "s.xml", "--param", "floor.translation=@kind.npy"],
+            3,
+        ),
+        (&["render", "ply.xml"], 3),
+        (&["render", "obj.xml"], 3),
+        (&["render", "c1.xml"], 3),
+        (&["render", "c1.xml", "--log-format", "json"], 3),
+        (&["params", "id.xml"], 0),
+        (&["render", &name], 3),
+        (&["render", "s.xml", &name], 2),
+    ];
+    for (line, code) in lines {
+        let out = crate::workplace::warpath(at, line);
+        let said = text(&out.stderr) + &text(&out.stdout);
+        assert_eq!(out.status.code(), Some(code), "{line:?}: {said:?}");
+        let raw = |c: char| c != '\n' && c.is_control();
+        assert!(
+            !said.is_empty() && !said.contains(raw),
+            "{line:?}: {said:?}"
+        );
+        assert!(!said.contains("\nerror: such"), "{line:?}: {said:?}");
+    }
+}

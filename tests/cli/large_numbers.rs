@@ -2,7 +2,7 @@
 
 use crate::workplace::{expect, floats, npy, text, typed, warpath};
 use std::path::Path;
-use warpath::output::tensors::Tensors;
+use warpath::output::tensors::TensorFile;
 
 const SCENE: &str = r#"<scene version="3.0.0">
   <default name="radiance" value="1"/><default name="side" value="1"/><default name="away" value="4"/>
@@ -76,7 +76,7 @@ fn what_is_not_finite_is_no_result() {
 fn gradient(directory: &Path, line: &str, key: &str) -> Vec<f64> {
     let out = warpath(directory, &typed(line));
     assert!(out.status.success(), "{line}: {}", text(&out.stderr));
-    let file = Tensors::read(&directory.join("o/gradients.safetensors")).unwrap();
+    let file = TensorFile::open(&directory.join("o/gradients.safetensors")).unwrap();
     let values = file.get(key).unwrap().values;
     values.into_iter().map(f64::from).collect()
 }
