@@ -58,7 +58,7 @@ fn directions_have_their_density() {
     let map = turned();
     let [columns, rows] = [2 * WIDTH, 2 * (HEIGHT - 1)];
     for (name, texture) in maps() {
-        let sky = Sky::new(&texture, &map);
+        let sky = Sky::new(&texture, &map, &|| false).unwrap();
         let mut counts = vec![0; columns * rows];
         for [u, v] in pairs(41, 3, 8) {
             let (d, density) = sky.sample(u.into(), v.into());
@@ -94,7 +94,7 @@ fn directions_have_their_density() {
 fn meridians_have_their_density() {
     let map = turned();
     for (name, texture) in maps() {
-        let sky = Sky::new(&texture, &map);
+        let sky = Sky::new(&texture, &map, &|| false).unwrap();
         for axis in 0..2 {
             // The pole and the longitude's zero in the map, as `paths::sky` has them.
             let [pole, zero, quarter] = [
