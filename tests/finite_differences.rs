@@ -271,3 +271,29 @@ fn shapes_that_pass_through_each_other() {
         Fails,
     );
 }
+
+/// Edges of a fine mesh are many in a thousandth of a coarse pixel near its outline; taken as one they cost a hundredth
+/// of the gradient here.
+#[test]
+fn fine_bodies_in_coarse_images() {
+    let scene = scene(vec3(0.3, -4.0, 0.5), Vec3::ZERO, 26.0, [6; 2], GAUSSIAN)
+        .smooth("ball", ball(5, Vec3::ZERO, 0.7), [0.6, 0.5, 0.4])
+        .light(
+            "lamp",
+            placed(
+                ceiling(Vec3::ZERO, 0.6),
+                vec3(0.0, 25.0, 0.0),
+                vec3(-1.4, -0.6, 2.5),
+            ),
+            [8.0, 7.0, 6.0],
+        );
+    let resolution = 0.006;
+    check_to(
+        resolution,
+        &scene,
+        &[("ball.translation", &[1.0, 0.0, 0.0])],
+        4096,
+        Some(5e-3),
+        Fails,
+    );
+}

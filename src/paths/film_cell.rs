@@ -2,8 +2,9 @@
 
 use super::lattice::Tile;
 use super::line_runs::Border;
-use super::occluders::{MOST_PROBE, probe_angle};
+use super::occluders::{MOST_PROBE, nearest_angle, probe_angle};
 use super::tracer::{Counts, Tracer};
+use crate::trace::geometry::NO_TRIANGLE;
 use crate::warp::adjacency::Adjacency;
 use crate::warp::boundary::dvec3;
 use crate::warp::crossing::{Crossing, Kind};
@@ -72,7 +73,7 @@ impl<'a> Cell<'a> {
             &arc,
             self.triangles,
             choice,
-            2.0 * beside(self.tile, self.line.axis) / self.length,
+            choice.map_or(0.0, |_| 2.0 * self.nearest() / self.length),
         )?;
         let candidate = |crossing: Option<Crossing>| {
             let mut crossing = crossing?;
@@ -84,6 +85,27 @@ impl<'a> Cell<'a> {
             })
         };
         Ok(found.map(candidate))
+    }
+
+    /// How near to an edge of what its ends see probes look at most, in pixels: what they have between them are edges
+    /// of their own, however fine the mesh.
+    fn nearest(&self) -> f64 {
+        let (geometry, camera) = (self.tracer.geometry, &self.tracer.camera);
+        let origin = camera.origin.as_dvec3();
+        let seen = self.triangles.iter().filter(|&&t| t != NO_TRIANGLE);
+        let angles = seen.map(|&t| {
+            let [vertex, _, _] = geometry.triangles[t as usize];
+            nearest_angle(geometry.positions[vertex as usize].as_dvec3(), origin)
+        });
+        let angle = angles.fold(0.0, f64::max);
+        let angle_per_pixel = self.angle_per_pixel(self.at(0.5).1);
+        (angle / angle_per_pixel).min(beside(self.tile, self.line.axis))
+    }
+
+    /// The angle of a pixel along the line, in a direction.
+    fn angle_per_pixel(&self, direction: DVec3) -> f64 {
+        let per_pixel = self.tracer.camera.direction_per_pixel()[self.line.axis];
+        direction.cross(per_pixel).length() / direction.length_squared()
     }
 
     /// The same where something else may stand in front of both triangles.
@@ -133,8 +155,7 @@ impl<'a> Candidate<'a> {
         let origin = camera.origin.as_dvec3();
         let [angle, _] = probe_angle(tracer.geometry, &self.crossing, origin);
         let direction = dvec3(camera.direction(self.at[0], self.at[1]));
-        let turn = direction.cross(camera.direction_per_pixel()[axis]);
-        let angle_per_pixel = turn.length() / direction.length_squared();
+        let angle_per_pixel = self.cell.angle_per_pixel(direction);
         let most = if self.crossing.kind == Kind::ThinSilhouette {
             MOST_PROBE * tile.step[axis]
         } else {

@@ -32,14 +32,20 @@ pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [
     };
     let [v, w] = [v, w].map(|v| geometry.positions[v as usize].as_dvec3());
     let point = v.midpoint(w);
+    if crossing.kind == Kind::ThinSilhouette {
+        let room = point.abs().max_element() + 1.0;
+        let angle = CLEAR * f64::from(OFFSET) * room / point.distance(origin);
+        [angle, MOST_PROBE]
+    } else {
+        [nearest_angle(point, origin), PROBE]
+    }
+}
+
+/// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart that end near `point`.
+pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
     let distance = point.distance(origin);
     let room = point.abs().max_element() + 1.0;
-    let [step, most] = if crossing.kind == Kind::ThinSilhouette {
-        [CLEAR * f64::from(OFFSET) * room, MOST_PROBE]
-    } else {
-        [NEAREST * (room + distance), PROBE]
-    };
-    [step / distance, most]
+    NEAREST * (room + distance) / distance
 }
 
 /// A point of a surface from which rays leave.
