@@ -5,6 +5,7 @@ mod common;
 use common::comparison::Interior::{Agrees, Fails};
 use common::comparison::*;
 use common::scenes::*;
+use glam::{Vec3, vec3};
 
 #[test]
 fn colours() {
@@ -63,4 +64,16 @@ fn indirect_light_at_depth_4() {
         None,
         Fails,
     );
+}
+
+/// Paths in a closed room have no end of their own where nothing absorbs them wholly, and differences allow no roulette.
+#[test]
+fn endless_paths_of_a_closed_room() {
+    let inside = cuboid(Vec3::splat(1.0));
+    let scene = scene(vec3(0.2, -0.7, 0.1), vec3(0.0, 1.0, 0.0), 60.0, [6; 2], BOX)
+        .depth(u32::MAX)
+        .solid("room", inside, [0.7, 0.6, 0.5])
+        .light("lamp", ceiling(vec3(0.0, 0.0, 0.9), 0.2), [5.0, 6.0, 4.0]);
+    let parts: [(&str, &[f32]); 1] = [("room.bsdf.reflectance.value", &[1.0, 0.5, 0.2])];
+    check(&scene, &parts, 16, None, Agrees);
 }

@@ -18,6 +18,11 @@ const LEAST_SURVIVAL: f32 = 0.1;
 /// Neither of a plastic's two lobes is drawn more rarely than this.
 const LEAST_CHANCE: f32 = 0.1;
 
+/// From this many segments on, paths without Russian roulette (those of finite differences) go on with a chance that
+/// depends on nothing, and so jumps with nothing: otherwise those in a closed room would never end.
+const LONG: u32 = 128;
+const LONG_SURVIVAL: f32 = 0.9;
+
 impl Tracer<'_> {
     /// Draws the next direction and decides who goes on and who looks for silhouettes; `depth` is the vertex's own. Only a part
     /// `rim` of the directions that a diffuse lobe may draw is wanted, those nearest to the horizon (1: all).
@@ -78,6 +83,12 @@ impl Tracer<'_> {
             looks = looks & u.lt(of_line);
             survival = Lane::splat(1.0) / of_path;
             line_survival = Lane::splat(1.0) / of_line;
+        } else if depth + 1 >= LONG {
+            let (u, _) = stream.pair(index, base + 4);
+            let goes_on = u.lt(Lane::splat(LONG_SURVIVAL));
+            (alive, looks) = (alive & goes_on, looks & goes_on);
+            survival = Lane::splat(1.0 / LONG_SURVIVAL);
+            line_survival = survival;
         }
         vertices.survival = <Lane as Real>::select(alive, survival, zero);
         vertices.line_survival = <Lane as Real>::select(looks, line_survival, zero);
