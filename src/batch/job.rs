@@ -170,6 +170,12 @@ impl Define {
 impl Job {
     /// Reads a line. What is wrong is said with the field.
     pub fn parse(line: &str) -> Result<Self, Failure> {
+        // An array of all fields in their order would do for serde.
+        if line.trim_start().starts_with('[') {
+            return Err(Failure::Input(
+                "a job is a JSON object, {…}, not an array".into(),
+            ));
+        }
         let mut reader = serde_json::Deserializer::from_str(line);
         let job: Job = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
             let path = error.path().to_string();

@@ -8,6 +8,7 @@ use super::pairs::Keys;
 use super::settings;
 use crate::methods::{
     Edits, ForwardGradient, Image, Objective, Prepared, Progress, Settings, Statistics, Workers,
+    check_meshes,
 };
 use crate::output::gradients;
 use crate::output::results::{self, NotFinite, ResultFile};
@@ -95,7 +96,10 @@ impl<'a> Stand<'a> {
             mark(&mut edits, parameter.target);
         }
         let lease = match edits.moved.contains(&true) {
-            true => Some(loaded.follow(&scene, &edits, threads)?),
+            true => {
+                check_meshes(&scene).map_err(|error| Failure::from_engine(error, None))?;
+                Some(loaded.follow(&scene, &edits, threads)?)
+            }
             false => None,
         };
         Ok(Self {

@@ -183,6 +183,7 @@ pub struct Evaluation {
 pub use adjoint::inner_product;
 pub use groups::{GroupMean, equal_groups, group_count};
 pub use prepared::{Edits, Parts, Prepared, Workers, views};
+pub use refusals::check_meshes;
 pub use tails::MOST as MOST_OF_ONE_PART;
 pub use tails::Tails;
 

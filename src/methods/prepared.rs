@@ -1,5 +1,6 @@
 //! A scene with what tracing needs of it, made once for all images and gradients of that scene.
 
+use super::refusals::check_meshes;
 use super::{
     BackwardGradient, EngineError, Evaluation, ForwardGradient, Method, Objective, Progress,
     Rendering, Settings, adjoint, differences, primal, tangent,
@@ -97,6 +98,7 @@ impl Parts {
         backend: Backend,
         cancelled: Cancelled,
     ) -> Result<Self, EngineError> {
+        check_meshes(scene)?;
         let accel = Accel::build(
             &views(&scene.meshes),
             AccelOptions::new(true, workers.threads).on(backend),

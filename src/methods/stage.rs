@@ -64,7 +64,7 @@ impl<'a> Stage<'a> {
                 ..sensor.film
             };
         }
-        refusals::check_reach(scene, &sensor)?;
+        refusals::check_view(scene, &sensor)?;
         let film = &sensor.film;
         if film.filter.radius() > 4.0 {
             return Err(EngineError::Refused(format!(

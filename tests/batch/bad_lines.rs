@@ -20,6 +20,11 @@ fn bad_lines_fail_alone() {
     let cases = [
         ("rubbish".to_string(), 3, "expected value (column 1)"),
         ("{}".into(), 3, "missing field `id`"),
+        (
+            r#"["x","render","s.xml"]"#.into(),
+            3,
+            "a job is a JSON object",
+        ),
         (job(r#""mode":"render"} {"#), 3, "trailing"),
         (job(r#""mode":"paint""#), 3, "mode: unknown variant `paint`"),
         (

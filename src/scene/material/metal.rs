@@ -5,7 +5,7 @@ use crate::scene::data::Bsdf;
 use crate::scene::error::SceneError;
 use crate::scene::metals::METALS;
 use crate::scene::nearest::{nearest_hint, shown};
-use crate::scene::texture::{POSITIVE, REFLECTANCE, Slots};
+use crate::scene::texture::{METAL_INDEX, REFLECTANCE, Slots};
 use crate::scene::xml::Object;
 
 /// η = 0, k = 1: reflects everything, at every angle.
@@ -27,15 +27,15 @@ pub(super) fn conductor(mut slots: Slots) -> Result<Bsdf, SceneError> {
         Some([eta, k]) => {
             refuse_indices(&slots)?;
             (
-                slots.constant("eta", eta, POSITIVE),
-                slots.constant("k", k, POSITIVE),
+                slots.constant("eta", eta, METAL_INDEX),
+                slots.constant("k", k, METAL_INDEX),
             )
         }
         None => {
             let [eta, k] = MIRROR.map(|index| index.map(f64::from));
             (
-                slots.texture("eta", eta, POSITIVE)?,
-                slots.texture("k", k, POSITIVE)?,
+                slots.texture("eta", eta, METAL_INDEX)?,
+                slots.texture("k", k, METAL_INDEX)?,
             )
         }
     };

@@ -26,10 +26,15 @@ pub(super) const REFLECTANCE: Kind = Kind {
     channels: 3,
     limits: [0.0, 1.0],
 };
-/// Light, and indices of refraction of metals.
+/// Light.
 pub(super) const POSITIVE: Kind = Kind {
     channels: 3,
     limits: [0.0, f32::INFINITY],
+};
+/// Indices of refraction of metals: squares of squares must fit in single precision.
+pub(super) const METAL_INDEX: Kind = Kind {
+    channels: 3,
+    limits: [0.0, 1e6],
 };
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {

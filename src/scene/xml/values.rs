@@ -80,6 +80,9 @@ pub(super) fn srgb(text: &str) -> Result<[f64; 3], String> {
         Some(_) => return Err(format!("\"{}\" is not of the form #rrggbb", shown(text))),
         None => rgb(text)?,
     };
+    if let Some(bad) = encoded.iter().find(|v| !(0.0..=1.0).contains(*v)) {
+        return Err(format!("an sRGB value is between 0 and 1, not {bad}"));
+    }
     Ok(encoded.map(srgb_to_linear))
 }
 
@@ -103,6 +106,7 @@ mod tests {
         let [r, g, b] = srgb("#ff8000").unwrap();
         assert!((r - 1.0).abs() < 1e-12 && (g - 0.215_860_5).abs() < 1e-6 && b == 0.0);
         assert!(srgb("#ff80").is_err() && srgb("#+f8000").is_err());
+        assert!(srgb("1e25").is_err() && srgb("0.2, -0.1, 0.3").is_err());
     }
 
     #[test]
