@@ -6,6 +6,7 @@ mod comparison;
 #[path = "../common/jobs.rs"]
 mod jobs;
 mod leaves;
+mod mutations;
 mod schedulers;
 #[path = "../cli/workplace.rs"]
 #[allow(dead_code)]
@@ -22,4 +23,10 @@ fn memory_at_many_samples() {
 fn batches_killed_often() {
     let directory = workplace::workplace();
     jobs::survive_kills(directory.path(), 20, 50);
+}
+
+/// The whole program on input that was changed at random.
+#[test]
+fn promises_hold_whatever_is_given() {
+    mutations::campaign(20_000);
 }
