@@ -77,9 +77,8 @@ fn header_lie(bytes: &mut [u8], random: &mut Random) -> String {
 
 /// A run of digits becomes another number.
 fn ascii_number(bytes: &mut Vec<u8>, random: &mut Random) -> String {
-    let is_start = |i: &usize| {
-        bytes[*i].is_ascii_digit() && (*i == 0 || !bytes[*i - 1].is_ascii_digit())
-    };
+    let is_start =
+        |i: &usize| bytes[*i].is_ascii_digit() && (*i == 0 || !bytes[*i - 1].is_ascii_digit());
     let starts: Vec<usize> = (0..bytes.len().min(4000)).filter(is_start).collect();
     if starts.is_empty() {
         bytes.clear();

@@ -31,6 +31,8 @@ pub struct Case {
     pub mutations: BTreeMap<usize, String>,
     /// How many executions it counts for.
     pub executions: usize,
+    /// Whether what succeeds is run again with other threads.
+    pub runs_again: bool,
 }
 
 /// What is mutated before it is written.
@@ -62,7 +64,9 @@ impl Case {
                 mutations.insert(n, draft.mutate(n, &mut random));
             }
         }
-        draft.finish(mutations)
+        let mut case = draft.finish(mutations);
+        case.runs_again = Random::of(&[seed, index, u64::MAX]).chance(10);
+        case
     }
 }
 
@@ -90,11 +94,21 @@ impl Draft {
             33..36 => draft.alone("params", random),
             36 => draft.batch(&["batch - -o out"], random),
             37 => draft.batch(&["batch jobs.jsonl -o out"], random),
-            38 => draft.batch(&["batch jobs.jsonl -o out", "batch jobs.jsonl -o out --resume"], random),
+            38 => draft.batch(
+                &[
+                    "batch jobs.jsonl -o out",
+                    "batch jobs.jsonl -o out --resume",
+                ],
+                random,
+            ),
             _ => {
                 let split = random.pick(&["jobs", "samples"]);
-                let shard = |i| format!("batch jobs.jsonl --shard {i}/2 --split {split} -o out/{i}");
-                draft.batch(&[&shard(1), &shard(2), "merge out/1 out/2 -o merged"], random);
+                let shard =
+                    |i| format!("batch jobs.jsonl --shard {i}/2 --split {split} -o out/{i}");
+                draft.batch(
+                    &[&shard(1), &shard(2), "merge out/1 out/2 -o merged"],
+                    random,
+                );
             }
         }
         draft
@@ -109,12 +123,24 @@ impl Draft {
         }
         line.extend(common(random));
         line.extend(["-o".into(), "out".into()]);
+        let methods: &[&str] = match command {
+            "forward" => &["reparam", "reparam", "interior", "fd"],
+            _ => &["reparam", "reparam", "interior"],
+        };
+        let method = *random.pick(methods);
+        let refuses_motion = method == "reparam" && self.scene.is_sharp();
         if command != "render" {
-            for n in 0..1 + random.below(2) {
-                let parameter = key(&self.parameters, random).clone();
+            line.extend(["--method".into(), method.into()]);
+            let most = if command == "backward" { 6 } else { 2 };
+            for n in 0..1 + random.below(most) {
+                let parameter = key(&self.parameters, refuses_motion, random).clone();
                 // Those of other sensors are refused.
                 let other = parameter.key.starts_with("second.");
-                if other || line.iter().any(|a| a.split('=').next() == Some(&parameter.key)) {
+                if other
+                    || line
+                        .iter()
+                        .any(|a| a.split('=').next() == Some(parameter.key.as_str()))
+                {
                     continue;
                 }
                 let tangent = self.tangent(&parameter, n, random);
@@ -124,13 +150,6 @@ impl Draft {
                     _ => format!("{}={tangent}", parameter.key),
                 });
             }
-        }
-        if command != "render" && random.chance(60) {
-            let methods: &[&str] = match command {
-                "forward" => &["reparam", "interior", "fd"],
-                _ => &["reparam", "interior"],
-            };
-            line.extend(["--method".into(), random.pick(methods).to_string()]);
         }
         if command == "backward" {
             let objective = *random.pick(&["--target", "--target", "--adjoint"]);
@@ -161,7 +180,13 @@ impl Draft {
     /// A picture or an array of the image's size.
     fn image(&mut self, random: &mut Random) -> String {
         let [width, height] = self.scene.size;
-        let name = *random.pick(&["image.npy", "image.exr", "image.png", "image.pfm", "image.hdr"]);
+        let name = *random.pick(&[
+            "image.npy",
+            "image.exr",
+            "image.png",
+            "image.pfm",
+            "image.hdr",
+        ]);
         if name == "image.npy" {
             let array = ArrayFile::draw(None, &[height, width, 3], random);
             self.arrays.insert(name.into(), array);
@@ -180,16 +205,26 @@ impl Draft {
         let mut surroundings = Surroundings {
             parameters: &parameters,
             size: self.scene.size,
+            is_sharp: self.scene.is_sharp(),
             arrays: &mut self.arrays,
         };
         let mut jobs: Vec<Value> = (0..count).map(|n| surroundings.job(n, random)).collect();
         self.jobs.append(&mut jobs);
-        let mut options = vec!["--threads".to_string(), random.pick(&["1", "2"]).to_string()];
+        let mut options = vec![
+            "--threads".to_string(),
+            random.pick(&["1", "2"]).to_string(),
+        ];
         if random.chance(30) {
-            options.extend(["--memory".into(), random.pick(&["64M", "200M", "90%"]).to_string()]);
+            options.extend([
+                "--memory".into(),
+                random.pick(&["64M", "200M", "90%"]).to_string(),
+            ]);
         }
         if random.chance(50) {
-            options.extend(["--backend".into(), random.pick(&["embree", "obvhs"]).to_string()]);
+            options.extend([
+                "--backend".into(),
+                random.pick(&["embree", "obvhs"]).to_string(),
+            ]);
         }
         let mut talking = Vec::new();
         talk(&mut talking, random);
@@ -277,6 +312,7 @@ impl Draft {
         }
         Case {
             executions: self.jobs.len().max(1),
+            runs_again: false,
             files,
             steps,
             mutations,

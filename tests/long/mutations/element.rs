@@ -72,9 +72,7 @@ impl Element {
             return Some(self);
         }
         *left -= 1;
-        self.children
-            .iter_mut()
-            .find_map(|child| child.find(left))
+        self.children.iter_mut().find_map(|child| child.find(left))
     }
 
     pub fn attribute(&self, name: &str) -> Option<&str> {

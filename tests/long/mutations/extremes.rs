@@ -51,6 +51,24 @@ const NUMBERS: [&str; 46] = [
     "16777217",
 ];
 
+/// For what may be from 0 to 1, as most colours and roughnesses are.
+const SHARES: [&str; 14] = [
+    "0",
+    "-0",
+    "1",
+    "0.5",
+    "1e-3",
+    "1e-6",
+    "1e-10",
+    "1e-20",
+    "1.2e-38",
+    "1e-45",
+    "1e-46",
+    "0.99999994",
+    "0.999",
+    "1.0000001",
+];
+
 /// Whole numbers for what costs time or memory: small, or beyond all limits.
 const COUNTS: [&str; 18] = [
     "0",
@@ -89,16 +107,34 @@ const WORDS: [&str; 12] = [
     "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx",
 ];
 
-pub fn number(random: &mut Random) -> &'static str {
-    *random.pick(&NUMBERS)
+pub fn number(random: &mut Random) -> String {
+    match random.chance(60) {
+        true => random.word(&NUMBERS).into(),
+        false => of_any_size(random),
+    }
 }
 
-pub fn count(random: &mut Random) -> &'static str {
-    *random.pick(&COUNTS)
+/// Between the least and the largest of single precision, evenly over powers of ten.
+fn of_any_size(random: &mut Random) -> String {
+    let sign = if random.chance(15) { "-" } else { "" };
+    let digits = 1 + random.below(9);
+    let power = random.below(84) as i32 - 45;
+    format!("{sign}{digits}e{power}")
+}
+
+pub fn share(random: &mut Random) -> String {
+    match random.chance(60) {
+        true => random.word(&SHARES).into(),
+        false => format!("{}", random.number(0.0, 1.0)),
+    }
+}
+
+pub fn count(random: &mut Random) -> String {
+    random.word(&COUNTS).into()
 }
 
 pub fn word(random: &mut Random) -> &'static str {
-    *random.pick(&WORDS)
+    random.word(&WORDS)
 }
 
 /// A number that single precision can hold, infinities and NaN among them.

@@ -13,16 +13,22 @@ pub struct Surroundings<'a> {
     pub parameters: &'a [Parameter],
     /// Of the image.
     pub size: [usize; 2],
+    /// Whether `reparam` refuses what moves.
+    pub is_sharp: bool,
     pub arrays: &'a mut BTreeMap<String, ArrayFile>,
 }
 
 impl Surroundings<'_> {
     /// A job that is right.
     pub fn job(&mut self, number: usize, random: &mut Random) -> Value {
-        let parameter = key(self.parameters, random);
+        let method = *random.pick(&["reparam", "reparam", "interior"]);
+        let refuses_motion = self.is_sharp && method == "reparam";
+        let parameter = key(self.parameters, refuses_motion, random);
         let mut job = match random.below(3) {
             0 => json!({"mode": "render"}),
-            1 => json!({"mode": "forward", "params": {&parameter.key: self.tangent(parameter, number, random)}}),
+            1 => {
+                json!({"mode": "forward", "params": {&parameter.key: self.tangent(parameter, number, random)}})
+            }
             _ => {
                 let target = ["target", "adjoint"][random.below(2)];
                 json!({"mode": "backward", "params": [&parameter.key], target: self.image(random)})
@@ -33,11 +39,11 @@ impl Surroundings<'_> {
         job["spp"] = json!(*random.pick(&[1, 2, 4, 4]));
         job["max_depth"] = json!(1 + random.below(4));
         job["seed"] = json!(random.below(100));
-        if random.chance(40) && job["mode"] != "render" {
-            job["method"] = json!(*random.pick(&["reparam", "interior"]));
+        if job["mode"] != "render" {
+            job["method"] = json!(method);
         }
         if random.chance(40) {
-            let parameter = key(self.parameters, random);
+            let parameter = key(self.parameters, false, random);
             job["set"] = json!({&parameter.key: self.value(parameter, number, random)});
         }
         job
@@ -64,7 +70,10 @@ impl Surroundings<'_> {
     fn file(&mut self, parameter: &Parameter, number: usize, random: &mut Random) -> Value {
         let (name, tensor) = match random.chance(50) {
             true => (format!("v{number}.npy"), None),
-            false => (format!("v{number}.safetensors"), Some(parameter.key.as_str())),
+            false => (
+                format!("v{number}.safetensors"),
+                Some(parameter.key.as_str()),
+            ),
         };
         let array = ArrayFile::draw(tensor, &parameter.shape, random);
         self.arrays.insert(name.clone(), array);
@@ -133,7 +142,16 @@ pub fn mutate(jobs: &mut [Value], parameters: &[Parameter], random: &mut Random)
             format!("job {n} loses {field}")
         }
         2 => {
-            let names = ["tagret", "stderr", "groups", "outputs", "resolution", "sensor", "loss", "defines"];
+            let names = [
+                "tagret",
+                "stderr",
+                "groups",
+                "outputs",
+                "resolution",
+                "sensor",
+                "loss",
+                "defines",
+            ];
             let name = *random.pick(&names);
             let value = odd(random);
             let what = format!("{name} of job {n} is {value}");
@@ -179,8 +197,11 @@ fn numbers(
 ) -> String {
     let field = *random.pick(&["set", "params"]);
     if !job.get(field).is_some_and(Value::is_object) {
-        let parameter = key(parameters, random);
-        job.insert("set".into(), json!({&parameter.key: extremes::finite(random)}));
+        let parameter = key(parameters, false, random);
+        job.insert(
+            "set".into(),
+            json!({&parameter.key: extremes::finite(random)}),
+        );
         return format!("job {n} sets {}", job["set"]);
     }
     let map = job[field].as_object_mut().expect("an object");

@@ -69,7 +69,7 @@ fn bitmap(name: &str, file: &str, random: &mut Random) -> String {
 }
 
 fn to_uv(random: &mut Random) -> &'static str {
-    *random.pick(&[
+    random.word(&[
         "",
         r#"<transform name="to_uv"><scale x="3" y="2"/></transform>"#,
         r#"<transform name="to_uv"><translate x="0.3"/><rotate z="1" angle="20"/></transform>"#,
@@ -89,7 +89,12 @@ pub fn material(textured: bool, random: &mut Random) -> String {
             r#"<bsdf type="dielectric">{}</bsdf>"#,
             glass(textured, random)
         ),
-        5 => rough("roughdielectric", &glass(textured, random), textured, random),
+        5 => rough(
+            "roughdielectric",
+            &glass(textured, random),
+            textured,
+            random,
+        ),
         6 => format!(r#"<bsdf type="plastic">{}</bsdf>"#, body(textured, random)),
         7 => {
             let body = body(textured, random);
@@ -144,14 +149,16 @@ fn metal(textured: bool, random: &mut Random) -> String {
             format!(r#"<string name="material" value="{name}"/>"#)
         }
         1 => r#"<float name="eta" value="0.2"/><float name="k" value="3.9"/>"#.into(),
-        2 => r#"<rgb name="eta" value="0.2, 0.9, 1.1"/><rgb name="k" value="3.9, 2.5, 2.1"/>"#.into(),
+        2 => {
+            r#"<rgb name="eta" value="0.2, 0.9, 1.1"/><rgb name="k" value="3.9, 2.5, 2.1"/>"#.into()
+        }
         _ => colour("eta", textured, random) + &colour("k", textured, random),
     };
     indices + &perhaps("specular_reflectance", textured, random)
 }
 
 fn ior(random: &mut Random) -> &'static str {
-    *random.pick(&[
+    random.word(&[
         "",
         r#"<float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>"#,
         r#"<float name="int_ior" value="1.2"/><float name="ext_ior" value="1.6"/>"#,

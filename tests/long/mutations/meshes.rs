@@ -40,28 +40,61 @@ impl MeshFile {
     pub fn draw(format: Format, random: &mut Random) -> Self {
         let (positions, faces): (Vec<[f64; 3]>, Vec<Vec<i64>>) = match random.below(4) {
             0 => (
-                [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
-                    .map(|p| p.map(f64::from))
-                    .to_vec(),
-                [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
-                    .map(|f: [i64; 3]| f.to_vec())
-                    .to_vec(),
+                [
+                    [1, 0, 0],
+                    [-1, 0, 0],
+                    [0, 1, 0],
+                    [0, -1, 0],
+                    [0, 0, 1],
+                    [0, 0, -1],
+                ]
+                .map(|p| p.map(f64::from))
+                .to_vec(),
+                [
+                    [0, 2, 4],
+                    [2, 1, 4],
+                    [1, 3, 4],
+                    [3, 0, 4],
+                    [2, 0, 5],
+                    [1, 2, 5],
+                    [3, 1, 5],
+                    [0, 3, 5],
+                ]
+                .map(|f: [i64; 3]| f.to_vec())
+                .to_vec(),
             ),
             1 => (
-                vec![[0.0, 0.0, 1.0], [0.9, 0.0, -0.4], [-0.5, 0.8, -0.4], [-0.5, -0.8, -0.4]],
+                vec![
+                    [0.0, 0.0, 1.0],
+                    [0.9, 0.0, -0.4],
+                    [-0.5, 0.8, -0.4],
+                    [-0.5, -0.8, -0.4],
+                ],
                 vec![vec![0, 1, 2], vec![0, 2, 3], vec![0, 3, 1], vec![1, 3, 2]],
             ),
             2 => (
-                vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.5]],
+                vec![
+                    [-1.0, -1.0, 0.0],
+                    [1.0, -1.0, 0.0],
+                    [1.0, 1.0, 0.0],
+                    [-1.0, 1.0, 0.5],
+                ],
                 vec![vec![0, 1, 2], vec![0, 2, 3]],
             ),
             _ => (
-                vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+                vec![
+                    [-1.0, -1.0, 0.0],
+                    [1.0, -1.0, 0.0],
+                    [1.0, 1.0, 0.0],
+                    [-1.0, 1.0, 0.0],
+                ],
                 vec![vec![0, 1, 2, 3]],
             ),
         };
         let normals = random.chance(40).then(|| positions.clone());
-        let uvs = positions.iter().map(|p| [p[0] * 0.5 + 0.5, p[1] * 0.5 + 0.5]);
+        let uvs = positions
+            .iter()
+            .map(|p| [p[0] * 0.5 + 0.5, p[1] * 0.5 + 0.5]);
         let uvs = random.chance(60).then(|| uvs.collect());
         Self {
             format,
@@ -85,7 +118,10 @@ impl MeshFile {
             }
             3 => {
                 let number = extremes::float(random);
-                self.positions.iter_mut().flatten().for_each(|x| *x *= number);
+                self.positions
+                    .iter_mut()
+                    .flatten()
+                    .for_each(|x| *x *= number);
                 format!("all positions times {number:e}")
             }
             4 => {
@@ -107,14 +143,17 @@ impl MeshFile {
                 let number = extremes::float(random);
                 let count = self.positions.len();
                 self.uvs.get_or_insert_with(|| vec![[0.5; 2]; count])[vertex][axis % 2] = number;
-                format!("texture coordinate {} of vertex {vertex} is {number:e}", axis % 2)
+                format!(
+                    "texture coordinate {} of vertex {vertex} is {number:e}",
+                    axis % 2
+                )
             }
             8 => self.mutate_index(random),
             9 => self.mutate_faces(random),
             10 => {
                 let lie = extremes::count(random);
                 let which = random.below(2);
-                self.lies[which] = Some(lie.into());
+                self.lies[which] = Some(lie.clone());
                 format!("the header says {lie:?} {}", ["vertices", "faces"][which])
             }
             _ => {
@@ -128,7 +167,17 @@ impl MeshFile {
 
     fn mutate_index(&mut self, random: &mut Random) -> String {
         let count = self.positions.len() as i64;
-        let lies = [-1, -2, count, count + 1, 0, 255, 65_536, 0x7fff_ffff, 0xffff_ffff];
+        let lies = [
+            -1,
+            -2,
+            count,
+            count + 1,
+            0,
+            255,
+            65_536,
+            0x7fff_ffff,
+            0xffff_ffff,
+        ];
         let lie = *random.pick(&lies);
         let Some(face) = self.faces.first_mut() else {
             return "nothing".into();
@@ -183,7 +232,10 @@ impl MeshFile {
         self.positions.iter().for_each(|p| out += &line("v", p));
         let normals = self.normals.iter().flatten();
         normals.for_each(|n| out += &line("vn", n));
-        self.uvs.iter().flatten().for_each(|t| out += &line("vt", t));
+        self.uvs
+            .iter()
+            .flatten()
+            .for_each(|t| out += &line("vt", t));
         for face in &self.faces {
             out += "f";
             for index in face {

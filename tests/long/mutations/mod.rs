@@ -5,6 +5,7 @@
 //! `WARPATH_MUTATION_SEED` another seed. What fails is shrunk, by leaving out mutations that do not matter, and kept in a
 //! folder with the commands in `cmd`.
 
+mod again;
 mod arguments;
 mod bytes;
 mod case;
@@ -100,7 +101,10 @@ pub fn campaign(executions: usize) {
         codes.into_inner().expect("no panic")
     );
     let found = found.into_inner().expect("no panic");
-    let report: Vec<String> = found.iter().map(|(kind, (n, cases))| told(kind, *n, cases)).collect();
+    let report: Vec<String> = found
+        .iter()
+        .map(|(kind, (n, cases))| told(kind, *n, cases))
+        .collect();
     assert!(
         found.is_empty(),
         "{} kinds of broken promises; cases are in {}\n{}",
@@ -125,16 +129,25 @@ fn execute(case: &Case, place: &Path) -> Outcome {
         fs::write(directory.join(name), bytes).expect("a file");
     }
     let mut ends = Vec::new();
+    let mut damaged = false;
     for step in &case.steps {
         match step {
-            Step::Damage(random) => damage(&directory, case, random.clone()),
+            Step::Damage(random) => {
+                damage(&directory, case, random.clone());
+                damaged = true;
+            }
             Step::Run { arguments, input } => {
                 let ended = process::run(&directory, place, arguments, input.as_deref());
                 let command = arguments.first().map_or("", String::as_str);
                 ends.push(format!("{command} {:?}", ended.code.unwrap_or(-1)));
-                if let Some(violation) = promises::broken(&directory, arguments, &ended) {
+                let broken = promises::broken(&directory, arguments, &ended, damaged);
+                let broken = broken.or_else(|| match case.runs_again && ended.code == Some(0) {
+                    true => again::differs(&directory, place, arguments),
+                    false => None,
+                });
+                if broken.is_some() {
                     return Outcome {
-                        violation: Some(violation),
+                        violation: broken,
                         ends,
                     };
                 }
@@ -147,12 +160,19 @@ fn execute(case: &Case, place: &Path) -> Outcome {
     }
 }
 
-/// Damages a file that a run has written.
+/// Damages a file about the run that a run has written, or a part of a job's samples: nobody reads the others again.
 fn damage(directory: &Path, case: &Case, mut random: Random) {
     let mut files = Vec::new();
     collect(directory, &mut files);
     let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
-    files.retain(|path| name(path).is_some_and(|name| !case.files.contains_key(&name)));
+    let is_read = |name: String| {
+        let ours = case.files.contains_key(&name);
+        !ours
+            && [".json", ".jsonl", "partial.safetensors"]
+                .iter()
+                .any(|end| name.ends_with(end))
+    };
+    files.retain(|path| name(path).is_some_and(is_read));
     files.sort();
     if files.is_empty() {
         return;
@@ -179,7 +199,10 @@ fn collect(directory: &Path, files: &mut Vec<PathBuf>) {
 /// The same case with as few mutations as break the same promise.
 fn shrink(seed: u64, index: u64, kind: &str, place: &Path) -> Case {
     let mut dropped = BTreeSet::new();
-    let all: Vec<usize> = Case::draw(seed, index, &dropped).mutations.into_keys().collect();
+    let all: Vec<usize> = Case::draw(seed, index, &dropped)
+        .mutations
+        .into_keys()
+        .collect();
     for n in all {
         dropped.insert(n);
         let fewer = execute(&Case::draw(seed, index, &dropped), place);

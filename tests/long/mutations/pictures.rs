@@ -115,7 +115,15 @@ impl ArrayFile {
                 format!("its type is {:?}", self.kind)
             }
             1 => {
-                let shapes = ["", "0,", "3,1,", "1,3,", "4294967296,4294967296,", "-1,", "1e9,"];
+                let shapes = [
+                    "",
+                    "0,",
+                    "3,1,",
+                    "1,3,",
+                    "4294967296,4294967296,",
+                    "-1,",
+                    "1e9,",
+                ];
                 self.shape = random.pick(&shapes).to_string();
                 format!("its shape is ({})", self.shape)
             }

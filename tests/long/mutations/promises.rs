@@ -29,8 +29,14 @@ impl Violation {
     }
 }
 
-/// The first promise that a run did not keep.
-pub fn broken(directory: &Path, arguments: &[String], ended: &Ended) -> Option<Violation> {
+/// The first promise that a run did not keep. Where it went on with files that were `damaged` since they were written
+/// it need not know.
+pub fn broken(
+    directory: &Path,
+    arguments: &[String],
+    ended: &Ended,
+    damaged: bool,
+) -> Option<Violation> {
     let command = arguments.first().map_or("", String::as_str);
     let stderr = String::from_utf8_lossy(&ended.stderr).into_owned();
     if let Some(why) = ended.killed {
@@ -41,17 +47,27 @@ pub fn broken(directory: &Path, arguments: &[String], ended: &Ended) -> Option<V
         return Some(Violation::new(format!("panic at {place}"), stderr));
     }
     let Some(code) = ended.code.filter(|code| CODES.contains(code)) else {
-        let how = (ended.code, ended.signal);
-        return Some(Violation::new(format!("{command}: exit {how:?}"), stderr));
+        let how = ended.signal.map_or_else(
+            || format!("exit code {:?}", ended.code),
+            |signal| format!("signal {signal}"),
+        );
+        // Where an assertion of a library failed, if it tells.
+        let is_place = |word: &&str| word.contains(".cpp:") || word.contains(".rs:");
+        let place = stderr.split_whitespace().find(is_place).unwrap_or_default();
+        return Some(Violation::new(format!("{how} {place}"), stderr));
     };
     let told = talk(command, code, ended, &stderr);
-    told.or_else(|| memory(command, arguments, ended))
-        .or_else(|| json_lines(command, arguments, &stderr))
-        .or_else(|| results::broken(directory, arguments, code, &ended.stdout))
-        .map(|violation| Violation {
-            detail: format!("{}\nexit code {code}\n{stderr}", violation.detail),
-            ..violation
-        })
+    let found = told
+        .or_else(|| memory(command, arguments, ended))
+        .or_else(|| json_lines(command, arguments, &stderr));
+    let found = match damaged {
+        true => found,
+        false => found.or_else(|| results::broken(directory, arguments, code, &ended.stdout)),
+    };
+    found.map(|violation| Violation {
+        detail: format!("{}\nexit code {code}\n{stderr}", violation.detail),
+        ..violation
+    })
 }
 
 fn talk(command: &str, code: i32, ended: &Ended, stderr: &str) -> Option<Violation> {

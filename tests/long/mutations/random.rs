@@ -36,6 +36,11 @@ impl Random {
         &from[self.below(from.len())]
     }
 
+    /// One of some words.
+    pub fn word<'a>(&mut self, from: &[&'a str]) -> &'a str {
+        from[self.below(from.len())]
+    }
+
     /// From `low` to `high`, of a thousand steps: short to print.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.below(1001) as f64 / 1000.0

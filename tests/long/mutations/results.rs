@@ -8,8 +8,10 @@ use std::io::Read;
 use std::path::Path;
 use warpath::output::npy;
 
-/// Fields that may be null: there is no limit, no method, nothing to tell.
-const NULLABLE: [&str; 6] = [
+/// Fields that may be null: there is no limit, no method, nothing to tell, nothing to be relative to.
+const NULLABLE: [&str; 8] = [
+    "relative_bias",
+    "relative_rms",
     "max_depth",
     "method",
     "peak_memory_bytes",
@@ -27,7 +29,10 @@ pub fn broken(
 ) -> Option<Violation> {
     let command = arguments.first().map_or("", String::as_str);
     let asks_for_help = ["--help", "-h", "--version", "-V", "--schema"];
-    if arguments.iter().any(|a| asks_for_help.contains(&a.as_str())) {
+    if arguments
+        .iter()
+        .any(|a| asks_for_help.contains(&a.as_str()))
+    {
         return None;
     }
     let output = directory.join(value(arguments, "-o").unwrap_or("out"));
@@ -82,7 +87,9 @@ fn names(list: &Value) -> Vec<String> {
 fn listed(arguments: &[String], stdout: &[u8]) -> Found<()> {
     if !arguments.iter().any(|a| a == "--json") {
         let text = String::from_utf8_lossy(stdout).to_lowercase();
-        let bad = text.split_whitespace().any(|w| w == "nan" || w == "inf" || w == "-inf");
+        let bad = text
+            .split_whitespace()
+            .any(|w| w == "nan" || w == "inf" || w == "-inf");
         return match bad {
             true => Err("a value that is not finite".into()),
             false => Ok(()),
@@ -100,13 +107,16 @@ fn batch(arguments: &[String], output: &Path, code: i32, stdout: &[u8]) -> Found
     each(output, &lines)?;
     let failed = lines.iter().filter(|l| l["status"] != "ok").count();
     if (code == 5) != (failed > 0) {
-        return Err(format!("code {code} is not what results say | {failed} failed"));
+        return Err(format!(
+            "code {code} is not what results say | {failed} failed"
+        ));
     }
     if arguments.iter().any(|a| a == "-") {
         let text = String::from_utf8_lossy(stdout);
         // With --json the report follows the answers.
         for line in text.lines().take_while(|line| *line != "{") {
-            serde_json::from_str::<Value>(line).map_err(|e| format!("an answer is no JSON | {e}"))?;
+            serde_json::from_str::<Value>(line)
+                .map_err(|e| format!("an answer is no JSON | {e}"))?;
         }
     }
     Ok(())
@@ -208,8 +218,8 @@ fn file(path: &Path) -> Found<()> {
 
 fn archive(name: &str, bytes: &[u8]) -> Found<()> {
     let unreadable = |e: String| format!("{name} cannot be read | {e}");
-    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes))
-        .map_err(|e| unreadable(e.to_string()))?;
+    let mut archive =
+        zip::ZipArchive::new(std::io::Cursor::new(bytes)).map_err(|e| unreadable(e.to_string()))?;
     for i in 0..archive.len() {
         let mut entry = archive.by_index(i).map_err(|e| unreadable(e.to_string()))?;
         let mut array = Vec::new();

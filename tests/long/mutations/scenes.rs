@@ -48,6 +48,22 @@ impl SceneFiles {
         }
     }
 
+    /// Whether there are sharp edges that `reparam` does not find: it refuses what moves then.
+    pub fn is_sharp(&self) -> bool {
+        let text = self.xml.text() + &self.part.as_ref().map_or(String::new(), Element::text);
+        let sharp = [
+            "conductor",
+            "dielectric",
+            "plastic",
+            "null",
+            "point",
+            "directional",
+        ];
+        sharp
+            .iter()
+            .any(|plugin| text.contains(&format!("type=\"{plugin}\"")))
+    }
+
     /// All files.
     pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let mut files = BTreeMap::new();
@@ -100,12 +116,7 @@ fn sensors(film: [usize; 2], is_cropped: bool, random: &mut Random) -> String {
     }
 }
 
-fn sensor(
-    id: &str,
-    [width, height]: [usize; 2],
-    is_cropped: bool,
-    random: &mut Random,
-) -> String {
+fn sensor(id: &str, [width, height]: [usize; 2], is_cropped: bool, random: &mut Random) -> String {
     let filter = random.pick(&[
         r#"<rfilter type="box"/>"#,
         r#"<rfilter type="tent"/>"#,

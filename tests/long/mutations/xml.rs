@@ -45,11 +45,11 @@ const PLUGINS: [&str; 24] = [
 ];
 
 const TAGS: [&str; 14] = [
-    "float", "integer", "rgb", "srgb", "spectrum", "string", "boolean", "point", "vector", "ref", "bsdf",
-    "texture", "emitter", "default",
+    "float", "integer", "rgb", "srgb", "spectrum", "string", "boolean", "point", "vector", "ref",
+    "bsdf", "texture", "emitter", "default",
 ];
 
-const PROPERTIES: [&str; 20] = [
+const PROPERTIES: [&str; 22] = [
     "alpha",
     "eta",
     "k",
@@ -60,6 +60,8 @@ const PROPERTIES: [&str; 20] = [
     "specular_transmittance",
     "diffuse_reflectance",
     "radiance",
+    "color0",
+    "color1",
     "intensity",
     "irradiance",
     "scale",
@@ -113,7 +115,7 @@ pub fn mutate(scene: &mut SceneFiles, random: &mut Random) -> String {
             format!("{before} becomes {}", element.shown())
         }
         18 => {
-            let operation = Element::parse(*random.pick(&OPERATIONS));
+            let operation = Element::parse(random.word(&OPERATIONS));
             let what = operation.tag.clone();
             let (owner, transform) = transform(tree, random);
             let at = random.below(transform.children.len() + 1);
@@ -149,24 +151,43 @@ fn number(tree: &mut Element, random: &mut Random) -> String {
     if with_numbers.is_empty() {
         return attribute(tree, random);
     }
-    let n = *random.pick(&with_numbers);
+    // What things are made of and where they are stands beside many settings.
+    let is_physical = |tree: &mut Element, n: &usize| {
+        let element = tree.nth(*n);
+        let is_known = element
+            .attribute("name")
+            .is_some_and(|n| PROPERTIES.contains(&n));
+        is_known || ["translate", "scale", "matrix", "default"].contains(&element.tag.as_str())
+    };
+    let mut n = *random.pick(&with_numbers);
+    for _ in 0..3 {
+        if !is_physical(tree, &n) && random.chance(70) {
+            n = *random.pick(&with_numbers);
+        }
+    }
     let element = tree.nth(n);
     let shown = element.shown();
-    let is_costly = element.attribute("name").is_some_and(|n| COSTLY.contains(&n));
+    let is_costly = element
+        .attribute("name")
+        .is_some_and(|n| COSTLY.contains(&n));
     let attributes = element.attributes.iter_mut().filter(|a| holds_number(a));
     let mut attributes: Vec<_> = attributes.collect();
     let which = random.below(attributes.len());
     let (name, value) = &mut attributes[which];
-    let new = match is_costly {
-        true => extremes::count(random),
-        false => extremes::number(random),
-    };
     let parts: Vec<&str> = value.split(',').collect();
     let at = random.below(parts.len());
+    let number: Result<f64, _> = parts[at].trim().parse();
+    let is_share = number.is_ok_and(|x| (0.0..=1.0).contains(&x));
+    // Most of what is beyond 0 and 1 is refused where numbers are between them.
+    let new = match (is_costly, is_share && random.chance(70)) {
+        (true, _) => extremes::count(random),
+        (false, true) => extremes::share(random),
+        (false, false) => extremes::number(random),
+    };
     let whole = random.chance(30);
     let parts = parts.iter().enumerate();
     let changed: Vec<&str> = parts
-        .map(|(i, part)| if whole || i == at { new } else { part })
+        .map(|(i, part)| if whole || i == at { &new } else { *part })
         .collect();
     let before = std::mem::replace(value, changed.join(","));
     format!("{shown} {name}=\"{before}\" becomes \"{value}\"")
@@ -244,6 +265,10 @@ fn drop_child(tree: &mut Element, random: &mut Random) -> String {
     let n = *random.pick(&parents);
     let parent = tree.nth(n);
     let at = random.below(parent.children.len());
+    // Without its film an image has half a million pixels.
+    if parent.children[at].tag == "film" {
+        return "nothing".into();
+    }
     let child = parent.children.remove(at);
     if random.chance(60) {
         return format!("{} left out", child.shown());
@@ -260,10 +285,18 @@ fn transform<'a>(tree: &'a mut Element, random: &mut Random) -> (String, &'a mut
     let owners: Vec<usize> = (0..count)
         .filter(|n| ["shape", "sensor", "texture"].contains(&tree.nth(*n).tag.as_str()))
         .collect();
-    let n = if owners.is_empty() { 0 } else { *random.pick(&owners) };
+    let n = if owners.is_empty() {
+        0
+    } else {
+        *random.pick(&owners)
+    };
     let owner = tree.nth(n);
     let shown = owner.shown();
-    let name = if owner.tag == "texture" { "to_uv" } else { "to_world" };
+    let name = if owner.tag == "texture" {
+        "to_uv"
+    } else {
+        "to_world"
+    };
     let at = owner.children.iter().position(|c| c.tag == "transform");
     let at = at.unwrap_or_else(|| {
         let new = Element::parse(&format!(r#"<transform name="{name}"/>"#));
