@@ -15,6 +15,7 @@ pub fn differs(directory: &Path, beside: &Path, arguments: &[String]) -> Option<
     let command = arguments.first()?.as_str();
     let threads = value(arguments, "--threads")?;
     let is_comparable = ["render", "forward", "backward"].contains(&command)
+        && directory.join(FOLDERS[0]).is_dir()
         && THREADS.contains(&threads)
         && value(arguments, "-o") == Some(FOLDERS[0]);
     if !is_comparable {

@@ -9,8 +9,9 @@ use std::path::Path;
 use warpath::output::npy;
 
 /// Fields that may be null: there is no limit, no method, nothing to tell, nothing to be relative to.
-const NULLABLE: [&str; 8] = [
+const NULLABLE: [&str; 9] = [
     "relative_bias",
+    "relative_bias_se",
     "relative_rms",
     "max_depth",
     "method",
