@@ -52,7 +52,11 @@ pub fn broken(
             |signal| format!("signal {signal}"),
         );
         // Where an assertion of a library failed, if it tells.
-        let is_place = |word: &&str| word.contains(".cpp:") || word.contains(".rs:");
+        let is_place = |word: &&str| {
+            [".cpp:", ".h:", ".rs:"]
+                .iter()
+                .any(|end| word.contains(end))
+        };
         let place = stderr.split_whitespace().find(is_place).unwrap_or_default();
         return Some(Violation::new(format!("{how} {place}"), stderr));
     };
