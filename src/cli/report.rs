@@ -129,13 +129,10 @@ impl Report {
             .filter(|(_, s)| **s > MOST_OF_ONE_PART);
         losses.extend(uncertain.map(|(key, share)| {
             format!(
-                "few samples carry the result: {} % of the variance of {key} comes from {}, and its standard error \
-                 may be too small; take more samples",
+                "few samples carry {key}: {} has {} % of {}, and its standard error may be too small; take more samples",
+                if key == "gradient" { "one pixel in a thousand" } else { "one packet of paths" },
                 (100.0 * share).round(),
-                match key.as_str() {
-                    "gradient" => "one pixel in a thousand",
-                    _ => "one tile in one group of samples",
-                }
+                if key == "gradient" { "the variance" } else { "the sum of their squares" },
             )
         }));
         losses

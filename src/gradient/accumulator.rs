@@ -1,5 +1,6 @@
 //! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
 
+use super::terms::{Object, Terms, TileTerms};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::lane_of;
 use crate::paths::texture::Lookup;
@@ -7,7 +8,6 @@ use crate::room::{self, NoRoom};
 use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
 
 /// What reverse mode is asked for: which sums are worth the work.
 pub struct Wanted {
@@ -66,30 +66,6 @@ impl Wanted {
     /// Whether the mesh of a triangle is wanted.
     pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
         triangle != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
-    }
-}
-
-/// What a gradient belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Object {
-    Mesh(usize),
-    Texture(usize),
-    Camera,
-    Environment,
-}
-
-impl Wanted {
-    /// All objects that are wanted.
-    pub fn objects(&self) -> Vec<Object> {
-        let those = |wanted: &[bool]| {
-            let numbers = 0..wanted.len();
-            numbers.filter(|&i| wanted[i]).collect::<Vec<_>>()
-        };
-        let mut objects: Vec<Object> = those(&self.mesh).into_iter().map(Object::Mesh).collect();
-        objects.extend(those(&self.texels).into_iter().map(Object::Texture));
-        objects.extend(self.camera.then_some(Object::Camera));
-        objects.extend(self.environment.then_some(Object::Environment));
-        objects
     }
 }
 
@@ -166,12 +142,14 @@ pub struct TileSums {
     /// Texels of all textures, one after another.
     texels: SparseVectors,
     /// The number of the first texel of each texture.
-    first_texel: Arc<[u32]>,
-    pub camera: CameraSum,
-    pub environment: EnvironmentSum,
+    first_texel: Vec<u32>,
+    camera: CameraSum,
+    environment: EnvironmentSum,
     pub delta_lights: Vec<DVec3>,
     /// Per texture.
     pub to_uv: Vec<[f64; 6]>,
+    /// Whether few terms carry it all.
+    terms: Terms,
     /// Terms that were left out because they were not finite.
     not_finite: u64,
 }
@@ -183,8 +161,7 @@ pub struct TileGradient {
     positions: Vec<(u32, Vec3)>,
     normals: Vec<(u32, Vec3)>,
     texels: Vec<(u32, Vec3)>,
-    /// The number of the first texel of each texture.
-    first_texel: Arc<[u32]>,
+    pub terms: TileTerms,
     camera: CameraSum,
     environment: EnvironmentSum,
     delta_lights: Vec<DVec3>,
@@ -204,11 +181,12 @@ impl TileSums {
             positions: SparseVectors::new(positions),
             normals: SparseVectors::new(normals),
             texels: SparseVectors::new(texels),
-            first_texel: first_texels(scene).into(),
+            first_texel: first_texels(scene),
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
+            terms: Terms::new(scene.meshes.len(), scene.textures.len()),
             not_finite: 0,
         }
     }
@@ -234,11 +212,32 @@ impl TileSums {
         lanes.map(|l| self.admitted(lane_of(v, l).as_dvec3())).sum()
     }
 
-    /// Adds to a vertex's position.
-    pub fn add_position(&mut self, vertex: u32, value: Vec3) {
+    /// Ends a term of the gradient: what one packet of paths or one border on the film brings.
+    pub fn end_term(&mut self) {
+        self.terms.end_term();
+    }
+
+    /// Adds to the position of a mesh's vertex.
+    pub fn add_position(&mut self, mesh: usize, vertex: u32, value: Vec3) {
         if self.admits(value.is_finite()) {
+            self.terms.add(Object::Mesh(mesh), value.as_dvec3());
             self.positions.add(vertex, value);
         }
+    }
+
+    /// Adds to the camera's origin, axes and the tangent of half its opening angle.
+    pub fn add_camera(&mut self, origin: DVec3, axes: [DVec3; 3], tan_half_x_fov: f64) {
+        self.camera.add(origin, axes, tan_half_x_fov);
+        let all = origin + axes.iter().sum::<DVec3>() + DVec3::splat(tan_half_x_fov);
+        self.terms.add(Object::Camera, all);
+    }
+
+    /// Adds to the rotation and the scale of the environment map.
+    pub fn add_environment(&mut self, rotation: DVec3, scale: f64) {
+        self.environment.rotation += rotation;
+        self.environment.scale += scale;
+        self.terms
+            .add(Object::Environment, rotation + DVec3::splat(scale));
     }
 
     /// Adds to a vertex's normal.
@@ -266,6 +265,7 @@ impl TileSums {
     /// Adds to a texel of a texture, if it is wanted.
     pub fn add_texel(&mut self, wanted: &Wanted, texture: usize, texel: u32, value: Vec3) {
         if wanted.texels[texture] && self.admits(value.is_finite()) {
+            self.terms.add(Object::Texture(texture), value.as_dvec3());
             self.texels.add(self.first_texel[texture] + texel, value);
         }
     }
@@ -277,7 +277,7 @@ impl TileSums {
             positions: self.positions.drain(),
             normals: self.normals.drain(),
             texels: self.texels.drain(),
-            first_texel: self.first_texel.clone(),
+            terms: self.terms.take(),
             camera: std::mem::take(&mut self.camera),
             environment: std::mem::take(&mut self.environment),
             to_uv: {
@@ -289,40 +289,6 @@ impl TileSums {
                 std::mem::replace(&mut self.delta_lights, zeros)
             },
         }
-    }
-}
-
-/// A direction that no scene has a reason to be aligned with.
-const ASKEW: DVec3 = DVec3::new(0.48, 0.6, 0.64);
-
-impl TileGradient {
-    /// One number of each object at a time: the derivative along a fixed change of all its numbers.
-    pub fn for_each_part(&self, geometry: &Geometry, mut each: impl FnMut(Object, f64)) {
-        let mut mesh = 0;
-        for &(v, value) in &self.positions {
-            let vertices = &geometry.first_vertex;
-            if !(vertices[mesh]..vertices[mesh + 1]).contains(&v) {
-                mesh = vertices.partition_point(|&first| first <= v) - 1;
-            }
-            each(Object::Mesh(mesh), value.as_dvec3().dot(ASKEW));
-        }
-        let mut texture = 0;
-        for &(texel, value) in &self.texels {
-            let texels = &self.first_texel;
-            if !(texels[texture]..texels[texture + 1]).contains(&texel) {
-                texture = texels.partition_point(|&first| first <= texel) - 1;
-            }
-            each(Object::Texture(texture), value.as_dvec3().dot(ASKEW));
-        }
-        let CameraSum {
-            origin,
-            axes,
-            tan_half_x_fov,
-        } = self.camera;
-        let camera = origin.dot(ASKEW) + axes.map(|a| a.dot(ASKEW)).iter().sum::<f64>();
-        each(Object::Camera, camera + tan_half_x_fov);
-        let environment = self.environment.rotation.dot(ASKEW) + self.environment.scale;
-        each(Object::Environment, environment);
     }
 }
 

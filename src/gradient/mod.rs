@@ -7,8 +7,10 @@ mod forward_delta_lights;
 mod forward_lights;
 pub mod motion;
 pub mod normals;
+
 pub mod reverse;
 mod reverse_crossings;
 mod reverse_delta_lights;
 mod reverse_lights;
 mod reverse_surface;
+pub mod terms;

@@ -141,7 +141,7 @@ impl ReverseSweep<'_> {
             let origin = sums.over_lanes(chain.origin, bits);
             let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
             let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
-            sums.camera.add(origin, axes, tan);
+            sums.add_camera(origin, axes, tan);
         }
     }
 
@@ -261,8 +261,8 @@ impl ReverseSweep<'_> {
             direction_bar[lane] = turn;
             if self.wanted.environment && sums.admits(turn.is_finite() && bar.is_finite()) {
                 // The direction turns by −ω × d as the map sees it.
-                sums.environment.rotation -= d.cross(turn).as_dvec3();
-                sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);
+                let scale = f64::from(found.value.dot(bar) / map.scale);
+                sums.add_environment(-d.cross(turn).as_dvec3(), scale);
             }
         }
         if self.wanted.attached() {

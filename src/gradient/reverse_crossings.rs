@@ -124,7 +124,7 @@ impl ReverseSweep<'_> {
             let turn = d.cross(d_bar);
             if self.wanted.environment {
                 let turn = sums.admitted(turn);
-                sums.environment.rotation += turn;
+                sums.add_environment(turn, 0.0);
             }
             return LaneBars {
                 x: sums.admitted(o_bar).as_vec3(),
@@ -209,7 +209,7 @@ impl ReverseSweep<'_> {
             let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
             let (x, y, z, tan, _, _) =
                 camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
-            sums.camera.add(o_bar, [x, y, z].map(dvec3), tan);
+            sums.add_camera(o_bar, [x, y, z].map(dvec3), tan);
         }
     }
 }

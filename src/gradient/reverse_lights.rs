@@ -12,7 +12,7 @@ use crate::paths::materials::{LightKind, texture_at};
 use crate::paths::rays::lane_of;
 use crate::paths::store::{lane_mask, masked};
 use crate::trace::geometry::gather;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 impl ReverseSweep<'_> {
     /// π times the BSDF toward `w`, of what this kind of light lights.
@@ -314,7 +314,8 @@ impl ReverseSweep<'_> {
                     sums.add_texel(self.wanted, texture, texel, bar * weight);
                 }
                 if self.wanted.environment && sums.admits(bar.is_finite()) {
-                    sums.environment.scale += f64::from(found.value.dot(bar) / map.scale);
+                    let scale = f64::from(found.value.dot(bar) / map.scale);
+                    sums.add_environment(DVec3::ZERO, scale);
                 }
             }
         }
@@ -329,7 +330,7 @@ impl ReverseSweep<'_> {
         if self.wanted.environment {
             // ω turns the direction by ω × d.
             let turn = sums.over_lanes(direction.cross(w_bar), bits);
-            sums.environment.rotation += turn;
+            sums.add_environment(turn, 0.0);
         }
     }
 }

@@ -133,9 +133,10 @@ impl ReverseSweep<'_> {
         let bars = bars.map(|v| [v.x.to_array(), v.y.to_array(), v.z.to_array()]);
         for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
             if self.wanted.moves(self.tracer.geometry, triangle[lane]) {
+                let mesh = self.tracer.geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
                 for (bar, &v) in bars.iter().zip(&ids[lane]) {
                     let value = Vec3::new(bar[0][lane], bar[1][lane], bar[2][lane]);
-                    sums.add_position(v, value);
+                    sums.add_position(mesh, v, value);
                 }
             }
         }
@@ -164,7 +165,7 @@ impl ReverseSweep<'_> {
             .partition_point(|&f| f <= vertex)
             - 1;
         if self.wanted.mesh[mesh] {
-            sums.add_position(vertex, bar.as_vec3());
+            sums.add_position(mesh, vertex, bar.as_vec3());
         }
     }
 }

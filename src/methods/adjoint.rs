@@ -3,13 +3,13 @@
 use super::groups::GroupImages;
 use super::spare::Spare;
 use super::stage::{Stage, StageClock};
-use super::tails::Tails;
 use super::{
     BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
     Settings, Statistics, refusals,
 };
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
+use crate::gradient::terms::Terms;
 use crate::lanes::LANES;
 use crate::paths::film::{Block, gather_point, gather_row};
 use crate::paths::rays::from_lanes;
@@ -65,7 +65,7 @@ pub fn backward(
         .collect::<Result<Vec<_>, _>>()?;
     let scratch_bytes = TileSums::bytes_needed(scene, &stage.parts.geometry, &wanted);
     room::look_for(settings.threads as u64 * scratch_bytes)?;
-    let mut tails = Tails::new(&wanted);
+    let mut terms = Terms::new(scene.meshes.len(), scene.textures.len());
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
@@ -91,7 +91,7 @@ pub fn backward(
             let own = (group - stage.own_groups().start) as usize;
             images.add(group, &block);
             sums[own].add(&gradient);
-            tails.add(&gradient, &stage.parts.geometry);
+            terms.absorb(&gradient.terms);
             counts += tile_counts;
         },
     )?;
@@ -116,7 +116,7 @@ pub fn backward(
         gradient,
         groups,
         loss,
-        tails,
+        terms,
         statistics,
     })
 }
@@ -256,6 +256,7 @@ fn differentiate(
                 from_lanes(&lanes),
                 sums,
             );
+            sums.end_term();
         }
     }
     for crossing in &traced.store.film_crossings {
@@ -264,6 +265,7 @@ fn differentiate(
         let bar = gather_point(adjoint, width, &x, &y).map(|c| c * line);
         if bar != [0.0; 3] {
             sweep.add_film_crossing(crossing, bar, sums);
+            sums.end_term();
         }
     }
     sums.take()

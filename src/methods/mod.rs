@@ -13,6 +13,7 @@ mod tangent;
 
 pub use differences::{IMAGES as DIFFERENCE_IMAGES, step as difference_step};
 
+use crate::gradient::terms::Terms;
 use crate::room::{NoRoom, Unfinished};
 use crate::scene::parameters::Parameter;
 use crate::scene::{Scene, SceneDifferential, SceneError};
@@ -98,8 +99,9 @@ pub struct Statistics {
     pub seconds: BTreeMap<&'static str, f64>,
     /// What the threads spent in tiles, added up over threads: the computation without what surrounds it.
     pub tile_seconds: f64,
-    /// The share of a gradient's variance that its largest part carries, by key: of `backward` one tile of one group of
-    /// samples, of a gradient image (under `gradient`) one pixel in a thousand.
+    /// The share that the largest part has in a gradient, by key: of `backward` that of one packet of paths or one border on
+    /// the film in the sum of their squares, of a gradient image (under `gradient`) that of one pixel in a thousand in the
+    /// variance.
     pub largest_parts: BTreeMap<String, f64>,
     /// Remarks for the user.
     pub notes: Vec<String>,
@@ -139,7 +141,8 @@ pub struct BackwardGradient {
     /// Independent estimates of the gradient, whose mean is `gradient`.
     pub groups: Vec<SceneDifferential>,
     pub loss: f64,
-    pub tails: Tails,
+    /// Whether few samples carry it.
+    pub terms: Terms,
     pub statistics: Statistics,
 }
 
@@ -185,7 +188,6 @@ pub use groups::{GroupMean, equal_groups, group_count};
 pub use prepared::{Edits, Parts, Prepared, Workers, views};
 pub use refusals::check_meshes;
 pub use tails::MOST as MOST_OF_ONE_PART;
-pub use tails::Tails;
 
 impl From<SceneError> for EngineError {
     fn from(error: SceneError) -> Self {

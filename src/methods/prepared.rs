@@ -1,6 +1,7 @@
 //! A scene with what tracing needs of it, made once for all images and gradients of that scene.
 
 use super::refusals::check_meshes;
+use super::tails::object_of;
 use super::{
     BackwardGradient, EngineError, Evaluation, ForwardGradient, Method, Objective, Progress,
     Rendering, Settings, adjoint, differences, primal, tangent,
@@ -279,14 +280,11 @@ impl<'a> Prepared<'a> {
     ) -> Result<BackwardGradient, EngineError> {
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
         let mut done = adjoint::backward(self, settings, &request, objective, progress)?;
-        let groups = done.groups.len();
-        if groups > 1 {
-            for parameter in wanted {
-                let target = parameter.target;
-                let share = target.and_then(|target| done.tails.largest_share(target, groups));
-                let parts = &mut done.statistics.largest_parts;
-                parts.extend(share.map(|share| (parameter.key.clone(), share)));
-            }
+        for parameter in wanted {
+            let object = parameter.target.and_then(object_of);
+            let share = object.and_then(|object| done.terms.largest_share(object));
+            let parts = &mut done.statistics.largest_parts;
+            parts.extend(share.map(|share| (parameter.key.clone(), share)));
         }
         Ok(done)
     }

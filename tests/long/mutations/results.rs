@@ -7,6 +7,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 use warpath::output::npy;
+use warpath::output::picture::PictureFile;
 
 /// Fields that may be null: there is no limit, no method, nothing to tell, nothing to be relative to.
 const NULLABLE: [&str; 9] = [
@@ -191,7 +192,8 @@ fn file(path: &Path) -> Found<()> {
     let unreadable = |e: String| format!("{name} cannot be read | {e}");
     match name.rsplit('.').next().unwrap_or_default() {
         "exr" => {
-            let image = warpath::output::exr::decode(&bytes).map_err(unreadable)?;
+            let image = PictureFile::open(path).and_then(PictureFile::read);
+            let image = image.map_err(|e| unreadable(e.to_string()))?;
             finite(&name, image.pixels.as_flattened())
         }
         "npy" => finite(&name, &npy::decode(&bytes).map_err(unreadable)?.values),
