@@ -38,7 +38,7 @@ impl ReverseSweep<'_> {
                 let moved = if is_glass {
                     self.through_glass(light, here, bits, bar, bars, sums)
                 } else {
-                    self.from_delta_light(light, here, bits, bar, bars, sums)
+                    self.onto_surfaces(light, here, bits, bar, bars, sums)
                 };
                 let moved = sums.over_lanes(moved, bits);
                 sums.delta_lights[i] += moved;
@@ -47,7 +47,7 @@ impl ReverseSweep<'_> {
     }
 
     /// What a light brings to surfaces in the lanes of `bits`; returns the cotangent of its position.
-    fn from_delta_light(
+    fn onto_surfaces(
         &self,
         light: &DeltaLight,
         here: &Solved,

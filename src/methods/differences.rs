@@ -101,7 +101,7 @@ pub fn forward(
     })
 }
 
-/// A step along the direction that moves the fastest visible point by [`STEP_PIXELS`].
+/// A step along the direction that moves the fastest visible point by a tenth of a pixel.
 pub fn step(
     scene: &Scene,
     settings: &Settings,

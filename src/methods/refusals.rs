@@ -101,7 +101,7 @@ pub fn check_view(scene: &Scene, sensor: &Sensor) -> Result<(), EngineError> {
         return Err(too_far(&sensor.id, origin));
     }
     let offset = sensor.principal_point_offset;
-    if !(offset.abs().max_element() <= MOST_OFFSET) {
+    if !offset.is_finite() || offset.abs().max_element() > MOST_OFFSET {
         return Err(EngineError::Refused(format!(
             "{}: the principal point is {} and {} films away from the middle; at most {MOST_OFFSET} are supported",
             sensor.id, offset.x, offset.y
@@ -112,7 +112,7 @@ pub fn check_view(scene: &Scene, sensor: &Sensor) -> Result<(), EngineError> {
 
 fn is_far(p: Vec3) -> bool {
     // What is no number is far, too.
-    !(p.abs().max_element() <= FARTHEST)
+    !p.is_finite() || p.abs().max_element() > FARTHEST
 }
 
 fn too_far(what: &str, p: Vec3) -> EngineError {
