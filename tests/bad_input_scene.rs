@@ -193,7 +193,7 @@ fn surface_cases() -> Vec<Case> {
         bsdf("metal and eta", "conductor <string name=\"material\" value=\"Au\"/><rgb name=\"eta\" value=\"1\"/>", &["s.xml:3:", "\"eta\" cannot be given together"]),
         bsdf("metal and k", "roughconductor <string name=\"material\" value=\"Au\"/><rgb name=\"k\" value=\"1\"/>", &["s.xml:3:", "\"k\" cannot be given together"]),
         bsdf("metal and a texture of k", "conductor <string name=\"material\" value=\"Au\"/><texture type=\"checkerboard\" name=\"k\"/>", &["s.xml:3:", "\"k\" cannot be given together"]),
-        bsdf("negative k", "conductor <rgb name=\"k\" value=\"1 -1 1\"/>", &["s.xml:3:1", "\"k\" must be at least 0"]),
+        bsdf("negative k", "conductor <rgb name=\"k\" value=\"1 -1 1\"/>", &["s.xml:3:1", "\"k\" must be between 0 and 1000000"]),
         bsdf("mirror above one", "conductor <rgb name=\"specular_reflectance\" value=\"2\"/>", &["s.xml:3:1", "between 0 and 1", "not 2"]),
         bsdf("unknown distribution", "roughconductor <string name=\"distribution\" value=\"gxx\"/>", &["s.xml:3:1", "\"ggx\"", "beckmann"]),
         bsdf("negative roughness", "roughconductor <float name=\"alpha\" value=\"-0.1\"/>", &["s.xml:3:1", "\"alpha\" must be between 0 and 1", "-0.1"]),
