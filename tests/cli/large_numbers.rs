@@ -43,7 +43,7 @@ const SILENT: [(&str, &str); 3] = [
     ),
     (
         r#"<sensor type="perspective" id="other"><float name="fov" value="40"/><float name="principal_point_offset_x" value="1e25"/></sensor>"#,
-        "other: the principal point is 1e25 and 0 films away",
+        "other: the principal point is 10000000000000000000000000 and 0 films away",
     ),
     (
         r#"<emitter type="point" id="bulb"><point name="position" x="0" y="0" z="1e20"/></emitter>"#,
