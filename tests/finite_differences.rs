@@ -272,8 +272,8 @@ fn shapes_that_pass_through_each_other() {
     );
 }
 
-/// Edges of a fine mesh are many in a thousandth of a coarse pixel near its outline; taken as one they cost 2.7 % of
-/// the gradient here.
+/// Edges of a fine flat-shaded mesh are many in a thousandth of a coarse pixel near its outline; taken as one they
+/// cost 2.7 % of the gradient here.
 #[test]
 fn fine_bodies_in_coarse_images() {
     let scene = scene(
@@ -284,7 +284,7 @@ fn fine_bodies_in_coarse_images() {
         GAUSSIAN,
     )
     .solid("floor", floor(6.0, 0.0), [0.65, 0.63, 0.6])
-    .smooth(
+    .solid(
         "ball",
         ball(5, vec3(-0.15, 0.1, 1.25), 0.85),
         [0.75, 0.3, 0.1],
