@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 use warpath::lanes::LANES;
 use warpath::methods::{self, Method, Progress, Settings};
-use warpath::paths::camera::Camera;
+use warpath::paths::film::camera::Camera;
 use warpath::scene::{self, Scene, parameters};
 use warpath::trace::geometry::{Geometry, NO_TRIANGLE};
 use warpath::trace::{Accel, AccelOptions, Backend, Coherence, Hits, MISS, MeshView, Rays};

@@ -6,7 +6,9 @@
 pub mod adjoint;
 pub mod batch;
 pub mod bench;
+pub mod boundary;
 pub mod cli;
+pub mod discontinuity;
 pub mod files;
 pub mod gradient;
 pub mod kernels;
@@ -18,4 +20,3 @@ pub mod picture;
 pub mod room;
 pub mod scene;
 pub mod trace;
-pub mod warp;

@@ -7,7 +7,8 @@ mod common;
 
 use common::shapes::Random;
 use glam::{Affine2, EulerRot, Mat3, Vec2, Vec3, vec2};
-use warpath::paths::{environment, texture};
+use warpath::paths::environment::map;
+use warpath::paths::surface::texture;
 use warpath::scene::{EnvironmentMap, Layout, Texture, Wrap};
 
 const WIDTH: u32 = 5;

@@ -3,7 +3,7 @@
 use super::cases::Case;
 use super::meshes::Random;
 use crate::lanes::LANES;
-use crate::paths::camera::Camera;
+use crate::paths::film::camera::Camera;
 use crate::trace::{Accel, Coherence, Hits, MISS, Rays, all_lanes};
 use glam::Vec3;
 

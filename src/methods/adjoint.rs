@@ -7,15 +7,17 @@ use super::{
     BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
     Settings, Statistics, refusals,
 };
-use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
-use crate::gradient::reverse::ReverseSweep;
+use crate::gradient::path::backward::BackwardSweep;
+use crate::gradient::scene::backward::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::terms::Terms;
 use crate::lanes::LANES;
-use crate::paths::film::{Block, gather_point, gather_row};
+use crate::paths::boundary_sample::Coordinate;
+use crate::paths::counts::Counts;
+use crate::paths::film::filter::{Block, gather_point, gather_row};
+use crate::paths::film::tile::TracedTile;
+use crate::paths::integrator::Integrator;
 use crate::paths::rays::from_lanes;
 use crate::paths::store::TileStore;
-use crate::paths::tile::TracedTile;
-use crate::paths::tracer::Counts;
 use crate::room;
 use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
@@ -52,11 +54,15 @@ pub fn backward(
 
     let clock = StageClock::start();
     let wanted = Wanted::new(scene, request);
-    let tracer = stage.tracer();
-    let sweep = ReverseSweep {
-        tracer: &tracer,
+    let view = stage.view();
+    let estimator = stage.estimator();
+    let integrator = Integrator {
+        view: &view,
+        estimator: &*estimator,
+    };
+    let sweep = BackwardSweep {
+        view: &view,
         wanted: &wanted,
-        visibility,
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
     let mut images = GroupImages::new(&stage)?;
@@ -73,7 +79,7 @@ pub fn backward(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
+            let traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
             let start = clock.add_primal(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
@@ -230,7 +236,7 @@ pub fn inner_product(a: &Image, b: &Image) -> f64 {
 /// A tile's part of the gradient.
 fn differentiate(
     stage: &Stage,
-    sweep: &ReverseSweep,
+    sweep: &BackwardSweep,
     traced: &TracedTile,
     adjoint: &[Rgb],
     sums: &mut TileSums,
@@ -243,7 +249,7 @@ fn differentiate(
         gather_row(adjoint, width, &traced.taps[0], y_taps, &mut row_bars);
         bars[row * columns..(row + 1) * columns].copy_from_slice(&row_bars);
     }
-    for (number, packet) in traced.packets(sweep.tracer.adjacency.is_some()).enumerate() {
+    for (number, packet) in traced.packets().enumerate() {
         let mut lanes = [Vec3::ZERO; LANES];
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
             lanes[lane] = Vec3::from(bars[packet.row * columns + packet.column + lane]);
@@ -259,12 +265,14 @@ fn differentiate(
             sums.end_term();
         }
     }
-    for crossing in &traced.store.film_crossings {
-        let line = traced.tile.step[1 - crossing.axis as usize] as f32;
-        let [x, y] = [0, 1].map(|i| stage.filter.taps(i, crossing.at[i]));
-        let bar = gather_point(adjoint, width, &x, &y).map(|c| c * line);
+    for sample in traced.store.film_boundary() {
+        let Coordinate::Film(at) = sample.at else {
+            continue;
+        };
+        let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
+        let bar = gather_point(adjoint, width, &x, &y);
         if bar != [0.0; 3] {
-            sweep.add_film_crossing(crossing, bar, sums);
+            sweep.add_film_boundary(sample, bar, sums);
             sums.end_term();
         }
     }

@@ -8,7 +8,7 @@ use super::primal::group_images;
 use super::{
     EngineError, ForwardGradient, Image, Prepared, Progress, Settings, Statistics, Workers,
 };
-use crate::paths::camera::Camera;
+use crate::paths::film::camera::Camera;
 use crate::scene::parameters::{Parameter, displace, tangent};
 use crate::scene::{Rgb, Scene};
 

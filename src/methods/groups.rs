@@ -1,7 +1,7 @@
 //! Independent groups of samples: how many, and the mean and standard error of their images.
 
 use super::stage::Stage;
-use crate::paths::film::Block;
+use crate::paths::film::filter::Block;
 use crate::room::{self, NoRoom};
 use crate::scene::Rgb;
 

@@ -6,15 +6,15 @@ use super::{
     BackwardGradient, EngineError, Evaluation, ForwardGradient, Method, Objective, Progress,
     Rendering, Settings, adjoint, differences, primal, tangent,
 };
-use crate::paths::lights::Lights;
-use crate::paths::materials::MaterialTable;
-use crate::paths::sky::Sky;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::environment::distribution::Sky;
+use crate::paths::light::patches::Lights;
+use crate::paths::surface::materials::MaterialTable;
 use crate::room::{Cancelled, Unfinished};
 use crate::scene::parameters::{self, Parameter};
 use crate::scene::{Mesh, Scene};
 use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, Backend, MeshView};
-use crate::warp::adjacency::Adjacency;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 

@@ -4,10 +4,12 @@ use super::groups::GroupImages;
 use super::spare::Spare;
 use super::stage::{Stage, StageClock};
 use super::{EngineError, Prepared, Progress, Rendering, Settings, Statistics};
-use crate::paths::film::Block;
+use crate::paths::counts::Counts;
+use crate::paths::estimator::Interior;
+use crate::paths::film::filter::Block;
+use crate::paths::film::tile::TracedTile;
+use crate::paths::integrator::Integrator;
 use crate::paths::store::TileStore;
-use crate::paths::tile::TracedTile;
-use crate::paths::tracer::Counts;
 use crate::room;
 use crate::scene::Rgb;
 use std::time::Instant;
@@ -57,7 +59,11 @@ fn trace(
     mut merge: impl FnMut(u32, &Block),
 ) -> Result<(), EngineError> {
     let clock = StageClock::start();
-    let tracer = stage.tracer();
+    let view = stage.view();
+    let integrator = Integrator {
+        view: &view,
+        estimator: &Interior,
+    };
     let stores = Spare::new();
     let mut counts = Counts::default();
     stage.for_each_tile(
@@ -66,7 +72,7 @@ fn trace(
             let start = Instant::now();
             let tile = stage.lattice.tile(index, group, stage.seed);
             let store = stores.take(TileStore::default);
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, store);
+            let traced = TracedTile::trace(&integrator, &stage.filter, tile, false, store);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             clock.add_primal(start);

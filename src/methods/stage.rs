@@ -4,14 +4,17 @@ use super::groups::group_count;
 use super::{
     EngineError, Groups, Image, Parts, Prepared, Progress, Settings, Statistics, Workers, refusals,
 };
-use crate::paths::camera::Camera;
-use crate::paths::film::FilmFilter;
-use crate::paths::lattice::Lattice;
-use crate::paths::lights::Lights;
+use crate::boundary::cells::Cells;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::counts::Counts;
+use crate::paths::estimator::{BoundaryEstimator, Interior};
+use crate::paths::film::camera::Camera;
+use crate::paths::film::filter::FilmFilter;
+use crate::paths::film::lattice::Lattice;
+use crate::paths::light::patches::Lights;
 use crate::paths::moving::Moving;
-use crate::paths::tracer::{Counts, PathLimits, Tracer};
+use crate::paths::scene_view::{PathLimits, SceneView};
 use crate::scene::{Film, Rgb, Scene, SceneDifferential};
-use crate::warp::adjacency::Adjacency;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -132,9 +135,9 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// A tracer over this stage.
-    pub fn tracer(&self) -> Tracer<'_> {
-        Tracer {
+    /// The scene as this stage's paths see it.
+    pub fn view(&self) -> SceneView<'_> {
+        SceneView {
             scene: self.scene,
             geometry: &self.parts.geometry,
             accel: &self.parts.accel,
@@ -143,11 +146,17 @@ impl<'a> Stage<'a> {
             sky: self.parts.sky.as_deref(),
             camera: self.camera,
             limits: self.limits,
-            adjacency: match self.visibility {
-                true => self.parts.adjacency.get(),
-                false => None,
-            },
-            moving: &self.moving,
+        }
+    }
+
+    /// What finds the boundary terms that are asked for.
+    pub fn estimator(&self) -> Box<dyn BoundaryEstimator + '_> {
+        match self.parts.adjacency.get() {
+            Some(adjacency) if self.visibility => Box::new(Cells {
+                adjacency,
+                moving: &self.moving,
+            }),
+            _ => Box::new(Interior),
         }
     }
 

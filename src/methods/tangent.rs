@@ -7,13 +7,16 @@ use super::tails::share_of_worst_pixels;
 use super::{
     EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
 };
-use crate::gradient::forward::ForwardSweep;
-use crate::gradient::motion::Motion;
+use crate::gradient::path::forward::ForwardSweep;
+use crate::gradient::scene::forward::Motion;
 use crate::lanes::LANES;
-use crate::paths::film::Block;
+use crate::paths::boundary_sample::Coordinate;
+use crate::paths::counts::Counts;
+use crate::paths::film::filter::Block;
+use crate::paths::film::tile::TracedTile;
+use crate::paths::integrator::Integrator;
+use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
-use crate::paths::tile::{TracedTile, to_rgb};
-use crate::paths::tracer::Counts;
 use crate::scene::SceneDifferential;
 use std::time::Instant;
 
@@ -31,8 +34,13 @@ pub fn forward(
     let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(tangent);
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
-    let tracer = stage.tracer();
-    let sweep = ForwardSweep::new(&tracer, &motion, visibility);
+    let view = stage.view();
+    let estimator = stage.estimator();
+    let integrator = Integrator {
+        view: &view,
+        estimator: &*estimator,
+    };
+    let sweep = ForwardSweep::new(&view, &motion);
 
     let clock = StageClock::start();
     let stores = Spare::new();
@@ -45,7 +53,7 @@ pub fn forward(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
-            let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
+            let mut traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
             let start = clock.add_primal(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
@@ -80,8 +88,7 @@ pub fn forward(
 fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -> Block {
     let columns = traced.tile.points[0];
     let mut tangents = vec![[0.0; 3]; traced.image.radiance.len()];
-    let outer = sweep.tracer.adjacency.is_some();
-    let packets: Vec<_> = traced.packets(outer).collect();
+    let packets: Vec<_> = traced.packets().collect();
     for (number, packet) in packets.into_iter().enumerate() {
         let values = to_rgb(sweep.radiance_tangent(&traced.store, number, packet.u, packet.v));
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
@@ -95,11 +102,13 @@ fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -
     }
     let mut block = Block::new(&stage.filter, &traced.tile);
     traced.splat(&tangents, &mut block);
-    for crossing in &traced.store.film_crossings {
-        let line = traced.tile.step[1 - crossing.axis as usize] as f32;
-        let value = sweep.film_crossing(crossing).map(|c| c * line);
+    for sample in traced.store.film_boundary() {
+        let Coordinate::Film(at) = sample.at else {
+            continue;
+        };
+        let value = sweep.film_boundary(sample);
         if value.iter().all(|c| c.is_finite()) {
-            let [x, y] = [0, 1].map(|i| stage.filter.taps(i, crossing.at[i]));
+            let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
             block.add_point(&x, &y, value);
         } else {
             traced.counts.gradient_not_finite += 1;

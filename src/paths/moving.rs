@@ -2,13 +2,13 @@
 //!
 //! A silhouette that x sees brings something only if it moves in the coordinates in which x sees it: if its own mesh
 //! moves, or x does. A line or a cell of a point that rests is left out if it passes all boxes around meshes that move. It is
-//! left out whole or not at all: what weighs a silhouette by the chance of finding it (`paths::runs`) needs all that lies
+//! left out whole or not at all: what weighs a silhouette by the chance of finding it (`boundary::inclusion`) needs all that lies
 //! beside it, moving or not.
 
+use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::scene::{Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
-use crate::warp::boundary::Boundary;
 use glam::DVec3;
 
 /// What a direction in parameter space moves, or a request asks about.
@@ -81,12 +81,12 @@ impl Moving {
     }
 
     /// The lanes whose rays move when they leave the camera.
-    pub(super) fn camera_lanes(&self) -> u32 {
+    pub(crate) fn camera_lanes(&self) -> u32 {
         if self.everything { u32::MAX } else { 0 }
     }
 
     /// The lanes whose triangle moves.
-    pub(super) fn lanes(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> u32 {
+    pub(crate) fn lanes(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> u32 {
         let moves =
             |t: u32| t != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[t as usize] as usize];
         (0..LANES)
@@ -95,13 +95,13 @@ impl Moving {
     }
 
     /// Whether a vertex moves as seen from what rests.
-    pub(super) fn vertex(&self, geometry: &Geometry, vertex: u32) -> bool {
+    pub(crate) fn vertex(&self, geometry: &Geometry, vertex: u32) -> bool {
         let of = |v: u32| geometry.first_vertex.partition_point(|&first| first <= v) - 1;
         self.everything || self.mesh[of(vertex)]
     }
 
     /// Whether a boundary does.
-    pub(super) fn boundary(&self, geometry: &Geometry, boundary: &Boundary) -> bool {
+    pub(crate) fn boundary(&self, geometry: &Geometry, boundary: &Boundary) -> bool {
         match *boundary {
             Boundary::Edge([a, _]) | Boundary::Point { edge: [a, _], .. } => {
                 self.vertex(geometry, a)
@@ -116,7 +116,7 @@ impl Moving {
     }
 
     /// Whether something that moves may be found in a sector.
-    pub(super) fn meets(&self, sector: &Sector) -> bool {
+    pub(crate) fn meets(&self, sector: &Sector) -> bool {
         let Sector {
             origin,
             normal,

@@ -1,6 +1,7 @@
 //! Packets of rays, and one lane of a vector.
 
-use crate::lanes::{LANES, Lane, V3};
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::scene::Rgb;
 use crate::trace::Rays;
 use glam::Vec3;
 
@@ -12,6 +13,31 @@ pub struct RayPacket {
     pub direction: V3<Lane>,
     pub near: f32,
     pub far: f32,
+}
+
+impl RayPacket {
+    /// The rays of `active` lanes that leave surfaces at `x` along `direction`, as far as they get.
+    pub fn leaving(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>, active: u32) -> Self {
+        Self {
+            active,
+            origin: leave(x, geometric, direction),
+            direction,
+            near: 0.0,
+            far: f32::INFINITY,
+        }
+    }
+
+    /// Those that leave toward the points `y`, and stop a little before them.
+    pub fn toward(x: V3<Lane>, geometric: V3<Lane>, y: V3<Lane>, active: u32) -> Self {
+        let origin = leave(x, geometric, y - x);
+        Self {
+            active,
+            origin,
+            direction: y - origin,
+            near: 0.0,
+            far: SHADOW_FAR,
+        }
+    }
 }
 
 /// Shadow rays stop a little before the light.
@@ -58,4 +84,30 @@ pub fn from_lanes(v: &[Vec3; LANES]) -> V3<Lane> {
         y: Lane::new(v.map(|p| p.y)),
         z: Lane::new(v.map(|p| p.z)),
     }
+}
+
+/// A constant vector in every lane.
+pub fn splat<F: Real>(v: Vec3) -> V3<F> {
+    V3::new(
+        F::splat(v.x as f64),
+        F::splat(v.y as f64),
+        F::splat(v.z as f64),
+    )
+}
+
+/// One colour a lane.
+pub fn to_rgb(v: V3<Lane>) -> [Rgb; LANES] {
+    let (x, y, z) = (v.x.to_array(), v.y.to_array(), v.z.to_array());
+    std::array::from_fn(|l| [x[l], y[l], z[l]])
+}
+
+/// The lanes of a bit mask, as the lane type's own mask.
+pub fn lane_mask(bits: u32) -> <Lane as Real>::Mask {
+    let ones = std::array::from_fn(|l| if bits >> l & 1 == 1 { 1.0 } else { 0.0 });
+    Lane::new(ones).gt(Lane::splat(0.5))
+}
+
+/// The lanes of a vector that `bits` selects, zero elsewhere.
+pub fn masked(bits: u32, v: V3<Lane>) -> V3<Lane> {
+    V3::select(lane_mask(bits), v, V3::splat(0.0))
 }

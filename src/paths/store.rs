@@ -1,11 +1,10 @@
 //! What is kept of each path, so that the sweeps trace no ray.
 
-use super::bounce_cells::BounceCrossing;
-use super::materials::Kinds;
-use crate::lanes::{LANES, Lane, Real, V3};
-use crate::scene::Rgb;
+use crate::lanes::{LANES, Lane, V3};
+use crate::paths::boundary_sample::{BoundarySample, Found};
+use crate::paths::counts::Counts;
+use crate::paths::surface::materials::Kinds;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
-use crate::warp::boundary::Boundary;
 use glam::DVec3;
 
 /// One path vertex in each lane: the ray that arrived and what was sampled where it ended. Some 150 bytes a path.
@@ -18,7 +17,7 @@ pub struct Vertices {
     pub hit: u32,
     /// Lanes whose ray left the scene.
     pub escaped: u32,
-    /// Lanes that move against what they see, where silhouettes are looked for (`paths::moving`).
+    /// Lanes that move against what they see, where an estimator wants to know (`paths::moving`).
     pub moves: u32,
     pub origin: V3<Lane>,
     pub direction: V3<Lane>,
@@ -55,10 +54,8 @@ pub struct Vertices {
     /// 1/(chance of looking for silhouettes over the hemisphere), 0 where none are looked for. Not `survival` where a rough lobe's
     /// bounce ends below the horizon: the lobe itself does not.
     pub line_survival: Lane,
-    /// The shadow edges on this vertex's light lines, as a range of the tile's list.
-    pub crossings: [u32; 2],
-    /// The silhouettes on its bounce lines, likewise.
-    pub bounce_crossings: [u32; 2],
+    /// What jumps in this vertex's integrals, as a range of the tile's list.
+    pub boundary: [u32; 2],
     /// Lanes that see each light without an extent, likewise.
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
@@ -153,35 +150,11 @@ impl Default for Vertices {
             weight: V3::splat(0.0),
             survival: zero,
             line_survival: zero,
-            crossings: [0; 2],
-            bounce_crossings: [0; 2],
+            boundary: [0; 2],
             delta_lights: [0; 2],
             sky: [0; 2],
         }
     }
-}
-
-/// A jump of the light's visibility, in the square of its patch.
-#[derive(Clone, Copy, Debug)]
-pub struct LightCrossing {
-    pub boundary: Boundary,
-    pub lane: u8,
-    pub patch: u32,
-    pub at: [f64; 2],
-    /// Radiance of the path per unit of Ḟ, all at θ₀.
-    pub radiance_per_side: Rgb,
-}
-
-/// A jump of the radiance along a film lattice line.
-#[derive(Clone, Copy, Debug)]
-pub struct FilmCrossing {
-    pub boundary: Boundary,
-    /// 0: found along a row; 1: along a column.
-    pub axis: u8,
-    /// Film position in pixels.
-    pub at: [f64; 2],
-    /// Radiance before minus radiance after the crossing.
-    pub jump: Rgb,
 }
 
 /// Everything a tile's sweeps need.
@@ -190,24 +163,32 @@ pub struct TileStore {
     /// Vertices by packet and depth: packet p's are `vertices[depths[p]..depths[p + 1]]`.
     pub vertices: Vec<Vertices>,
     pub depths: Vec<u32>,
-    pub light_crossings: Vec<LightCrossing>,
-    pub bounce_crossings: Vec<BounceCrossing>,
     /// Lanes that see a light without an extent: for each vertex one entry a light.
     pub delta_visible: Vec<u32>,
-    pub film_crossings: Vec<FilmCrossing>,
     pub sky_samples: Vec<SkySample>,
+    /// What jumps in the vertices' integrals, and then what jumps on the film.
+    pub found: Found,
+    /// Of `found`, what belongs to the vertices.
+    pub vertex_samples: usize,
+    pub counts: Counts,
 }
 
 impl TileStore {
+    /// Forgets everything, and keeps the memory.
     pub fn clear(&mut self) {
+        self.forget_paths();
+        self.counts = Counts::default();
+    }
+
+    /// Forgets the paths, but not what was counted.
+    pub fn forget_paths(&mut self) {
         self.vertices.clear();
         self.depths.clear();
         self.depths.push(0);
-        self.light_crossings.clear();
-        self.bounce_crossings.clear();
         self.delta_visible.clear();
         self.sky_samples.clear();
-        self.film_crossings.clear();
+        self.found.clear();
+        self.vertex_samples = 0;
     }
 
     /// A vertex's sample of the environment map.
@@ -216,19 +197,25 @@ impl TileStore {
         (from != to).then(|| &self.sky_samples[from as usize])
     }
 
+    /// What jumps in a vertex's integrals.
+    pub fn boundary(&self, vertices: &Vertices) -> &[BoundarySample] {
+        let [from, to] = vertices.boundary.map(|i| i as usize);
+        &self.found.samples[from..to]
+    }
+
+    /// What jumps on the film.
+    pub fn film_boundary(&self) -> &[BoundarySample] {
+        &self.found.samples[self.vertex_samples..]
+    }
+
+    /// The lanes of a vertex that see each light without an extent.
+    pub fn delta_visible(&self, vertices: &Vertices) -> &[u32] {
+        let [from, to] = vertices.delta_lights.map(|i| i as usize);
+        &self.delta_visible[from..to]
+    }
+
     /// The vertices of a packet, camera side first.
     pub fn path(&self, packet: usize) -> &[Vertices] {
         &self.vertices[self.depths[packet] as usize..self.depths[packet + 1] as usize]
     }
-}
-
-/// The lanes of a bit mask, as the lane type's own mask.
-pub fn lane_mask(bits: u32) -> <Lane as Real>::Mask {
-    let ones = std::array::from_fn(|l| if bits >> l & 1 == 1 { 1.0 } else { 0.0 });
-    Lane::new(ones).gt(Lane::splat(0.5))
-}
-
-/// The lanes of a vector that `bits` selects, zero elsewhere.
-pub fn masked(bits: u32, v: V3<Lane>) -> V3<Lane> {
-    V3::select(lane_mask(bits), v, V3::splat(0.0))
 }

@@ -4,8 +4,8 @@ use crate::common::materials::Paint;
 use crate::common::swatch::{Swatch, bare, with_facets};
 use glam::{DVec3, dvec3};
 use warpath::lanes::{LANES, Lane, V3};
-use warpath::paths::materials::LightKind;
 use warpath::paths::rays::lane_of;
+use warpath::paths::surface::materials::LightKind;
 use warpath::scene::Distribution::{self, Beckmann, Ggx};
 
 /// From the least that scenes may ask for.

@@ -98,7 +98,7 @@ fn bounces_off_metal() {
     }
 }
 
-/// The chance of the specular lobe: as `paths::bounce` documents it, by the means of plain colours.
+/// The chance of the specular lobe: as `paths::surface::lobe_sample` documents it, by the means of plain colours.
 fn specular_chance(i: DVec3) -> f64 {
     let reflected = dielectric(i.z, 1.5);
     let (specular, diffuse) = (0.9 * reflected, (0.6 + 0.3 + 0.2) / 3.0 * (1.0 - reflected));

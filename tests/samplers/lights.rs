@@ -4,7 +4,7 @@ use super::common::scenes::*;
 use super::*;
 use glam::{Vec3, vec3};
 use warpath::lanes::Lane;
-use warpath::paths::lights::Lights;
+use warpath::paths::light::patches::Lights;
 use warpath::scene::Scene;
 use warpath::trace::geometry::Geometry;
 

@@ -7,9 +7,9 @@ use super::common::swatch::{Swatch, bare};
 use super::*;
 use glam::{DVec3, dvec3};
 use std::f64::consts::{FRAC_PI_2, PI};
+use warpath::boundary::cells::lobe::line::{LaneSurface, Line, Lobe, line_weight};
 use warpath::lanes::Lane;
-use warpath::paths::bounce::cosine_direction;
-use warpath::paths::bounce_lines::{LaneSurface, Line, Lobe, line_weight};
+use warpath::paths::surface::lobe_sample::cosine_direction;
 use warpath::scene::Distribution::Ggx;
 
 /// A line's 1/p(φ), through what it is public for; `poles` of both families.

@@ -2,7 +2,7 @@
 
 use super::common::optics::*;
 use super::*;
-use warpath::paths::microfacets::{pdf_normal, visible_normal, weight};
+use warpath::paths::surface::microfacet_sample::{pdf_normal, visible_normal, weight};
 use warpath::scene::Distribution::{Beckmann, Ggx};
 
 const ALPHAS: [f64; 3] = [0.01, 0.3, 1.0];

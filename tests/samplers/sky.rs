@@ -3,7 +3,7 @@
 use super::*;
 use glam::{Affine2, DVec3, EulerRot, Mat3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use warpath::paths::sky::Sky;
+use warpath::paths::environment::distribution::Sky;
 use warpath::scene::{EnvironmentMap, Layout, Texture, Wrap};
 
 const WIDTH: usize = 24;
@@ -96,7 +96,7 @@ fn meridians_have_their_density() {
     for (name, texture) in maps() {
         let sky = Sky::new(&texture, &map, &|| false).unwrap();
         for axis in 0..2 {
-            // The pole and the longitude's zero in the map, as `paths::sky` has them.
+            // The pole and the longitude's zero in the map, as `paths::environment::distribution` has them.
             let [pole, zero, quarter] = [
                 [DVec3::Y, DVec3::NEG_Z, DVec3::X],
                 [DVec3::X, DVec3::Y, DVec3::Z],

@@ -2,7 +2,7 @@
 
 use super::*;
 use warpath::lanes::Lane;
-use warpath::paths::bounce::cosine_direction;
+use warpath::paths::surface::lobe_sample::cosine_direction;
 
 #[test]
 fn pairs_fill_the_square() {

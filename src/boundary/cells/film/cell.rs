@@ -1,0 +1,219 @@
+//! An interval of a line of the film's lattice.
+
+use crate::boundary::cells::line_search::Cell;
+use crate::boundary::occlusion::{MOST_PROBE, nearest_angle, probe_angle};
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::arc::Arc;
+use crate::discontinuity::boundary::{Boundary, dvec3};
+use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::paths::counts::Counts;
+use crate::paths::estimator::FilmTile;
+use crate::paths::moving::Sector;
+use crate::trace::geometry::NO_TRIANGLE;
+use glam::DVec3;
+
+/// How far beside a silhouette the probes look at most, in pixels.
+const PROBE_PIXELS: f64 = 1e-3;
+
+/// A row (axis 0) or a column (axis 1) of the lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LatticeLine {
+    pub axis: usize,
+    pub number: usize,
+}
+
+/// The cells of a tile's lattice.
+#[derive(Clone, Copy)]
+pub struct LatticeCells<'a> {
+    pub scene: &'a SearchScene<'a>,
+    pub film: &'a FilmTile<'a>,
+}
+
+/// The interval between two neighbours, or a part of it.
+#[derive(Clone, Copy)]
+pub struct FilmCell<'a> {
+    cells: LatticeCells<'a>,
+    line: LatticeLine,
+    start: [f64; 2],
+    /// Pixels along the line.
+    length: f64,
+    triangles: [u32; 2],
+    /// How many cells it stands for.
+    pub weight: u32,
+    /// Its own among those of the tile.
+    pub number: u32,
+}
+
+impl<'a> LatticeCells<'a> {
+    /// The number of a point of a line among those of the tile.
+    pub fn index(&self, line: LatticeLine, at: usize) -> usize {
+        let [column, row] = if line.axis == 0 {
+            [at, line.number]
+        } else {
+            [line.number, at]
+        };
+        row * self.film.tile.points[0] + column
+    }
+
+    /// The triangle seen at a point of a line, which may lie beyond the lattice.
+    fn triangle(&self, line: LatticeLine, at: i64, counts: &mut Counts) -> u32 {
+        let FilmTile { tile, image, .. } = self.film;
+        if (0..tile.points[line.axis] as i64).contains(&at) {
+            return image.triangle[self.index(line, at as usize)];
+        }
+        counts.probe += 1;
+        self.first_hit(self.position(line, at))
+    }
+
+    fn position(&self, line: LatticeLine, at: i64) -> [f64; 2] {
+        let tile = self.film.tile;
+        let mut position = [tile.position(1 - line.axis, line.number); 2];
+        position[line.axis] = tile.first[line.axis] + at as f64 * tile.step[line.axis];
+        position
+    }
+
+    /// The interval from point number `at` of a line to the next.
+    pub fn cell(&self, line: LatticeLine, at: i64, counts: &mut Counts) -> FilmCell<'a> {
+        FilmCell {
+            cells: *self,
+            start: self.position(line, at),
+            line,
+            length: self.film.tile.step[line.axis],
+            triangles: [at, at + 1].map(|at| self.triangle(line, at, counts)),
+            weight: 1,
+            number: 0,
+        }
+    }
+
+    /// Whether something that moves may be seen between point number `at` of a line and the next.
+    pub fn moves(&self, line: LatticeLine, at: usize) -> bool {
+        let [a, b] = [at, at + 1].map(|at| self.direction(line, at as f64));
+        let origin = self.scene.view.camera.origin.as_dvec3();
+        self.scene.moving.meets(&Sector::between(origin, a, b))
+    }
+
+    /// The direction at a distance from a line's first point in steps of the lattice.
+    pub fn direction(&self, line: LatticeLine, steps: f64) -> DVec3 {
+        let mut at = self.position(line, 0);
+        at[line.axis] += steps * self.film.tile.step[line.axis];
+        dvec3(self.scene.view.camera.direction(at[0], at[1]))
+    }
+
+    /// The triangle seen at a film position.
+    fn first_hit(&self, [u, v]: [f64; 2]) -> u32 {
+        let view = self.scene.view;
+        let camera = &view.camera;
+        let direction = dvec3(camera.direction(u, v)).as_vec3();
+        view.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
+    }
+}
+
+impl FilmCell<'_> {
+    /// Film position of a place.
+    pub fn position(&self, s: f64) -> [f64; 2] {
+        let mut at = self.start;
+        at[self.line.axis] += s * self.length;
+        at
+    }
+
+    /// 0 along a row, 1 along a column.
+    pub fn axis(&self) -> usize {
+        self.line.axis
+    }
+
+    /// The angle of a pixel along the line, in a direction.
+    fn angle_per_pixel(&self, direction: DVec3) -> f64 {
+        let camera = &self.cells.scene.view.camera;
+        let per_pixel = camera.direction_per_pixel()[self.line.axis];
+        direction.cross(per_pixel).length() / direction.length_squared()
+    }
+
+    /// How far beside a crossing probes look at most, in pixels.
+    fn most_pixels(&self) -> f64 {
+        PROBE_PIXELS.min(MOST_PROBE * self.cells.film.tile.step[self.line.axis])
+    }
+
+    /// How near to an edge of what its ends see probes look at most, in pixels: what they have between them are edges
+    /// of their own, however fine the mesh.
+    fn nearest_pixels(&self) -> f64 {
+        let view = self.cells.scene.view;
+        let origin = view.camera.origin.as_dvec3();
+        let seen = self.triangles.iter().filter(|&&t| t != NO_TRIANGLE);
+        let angles = seen.map(|&t| {
+            let [vertex, _, _] = view.geometry.triangles[t as usize];
+            nearest_angle(view.geometry.positions[vertex as usize].as_dvec3(), origin)
+        });
+        let angle = angles.fold(0.0, f64::max);
+        (angle / self.angle_per_pixel(self.direction(0.5))).min(self.most_pixels())
+    }
+}
+
+impl Cell for FilmCell<'_> {
+    type Line = LatticeLine;
+
+    fn line(&self) -> LatticeLine {
+        self.line
+    }
+
+    fn triangles(&self) -> [u32; 2] {
+        self.triangles
+    }
+
+    fn part(&self, [from, to]: [f64; 2], triangles: [u32; 2]) -> Self {
+        Self {
+            start: self.position(from),
+            length: (to - from) * self.length,
+            triangles,
+            ..*self
+        }
+    }
+
+    fn arc(&self) -> Arc {
+        Arc {
+            origin: self.cells.scene.view.camera.origin.as_dvec3(),
+            a: self.direction(0.0),
+            b: self.direction(1.0),
+        }
+    }
+
+    fn direction(&self, s: f64) -> DVec3 {
+        let [u, v] = self.position(s);
+        dvec3(self.cells.scene.view.camera.direction(u, v))
+    }
+
+    /// Steps of the lattice from the line's first point.
+    fn coordinate(&self, s: f64) -> f64 {
+        let (tile, axis) = (self.cells.film.tile, self.line.axis);
+        (self.position(s)[axis] - tile.first[axis]) / tile.step[axis]
+    }
+
+    fn first_hit(&self, s: f64) -> u32 {
+        self.cells.first_hit(self.position(s))
+    }
+
+    fn gap(&self) -> f64 {
+        2.0 * self.nearest_pixels() / self.length
+    }
+
+    fn beside(&self, crossing: &Crossing) -> f64 {
+        let view = self.cells.scene.view;
+        let origin = view.camera.origin.as_dvec3();
+        let [angle, _] = probe_angle(view.geometry, crossing, origin);
+        let angle_per_pixel = self.angle_per_pixel(self.direction(crossing.s));
+        let most = if crossing.kind == Kind::ThinSilhouette {
+            MOST_PROBE * self.cells.film.tile.step[self.line.axis]
+        } else {
+            self.most_pixels()
+        };
+        (angle / angle_per_pixel).min(most) / self.length
+    }
+
+    fn moves(&self, boundary: &Boundary) -> bool {
+        let scene = self.cells.scene;
+        scene.moving.boundary(scene.view.geometry, boundary)
+    }
+
+    fn weight(&self) -> f64 {
+        f64::from(self.weight)
+    }
+}

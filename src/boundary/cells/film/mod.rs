@@ -1,0 +1,5 @@
+//! Where the radiance jumps on the film.
+
+pub mod cell;
+pub mod search;
+pub mod weights;

@@ -1,0 +1,162 @@
+//! What the camera sees: where the radiance jumps along the rows and columns of a tile's lattice.
+//!
+//! The same cells as for light (`boundary::cells::light`), on the film: between two neighbours of a lattice row the
+//! interval of film is shifted rigidly with the silhouette that lies in it, and what the change of variables leaves is the
+//! jump of the radiance times the silhouette's speed. Rows give the speed's part along x, columns the part along y. The
+//! pixel filter multiplies the jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is
+//! as good as a smooth one, and no kernel blurs the image.
+//!
+//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
+//! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
+
+use super::cell::{FilmCell, LatticeCells, LatticeLine};
+use super::weights::{self, ROUNDS};
+use crate::boundary::cells::line_search::{Candidate, LineSearch, Met};
+use crate::boundary::probe::{Seen, Sides};
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::boundary::velocity_per_side;
+use crate::lanes::LANES;
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::counts::Counts;
+use crate::paths::estimator::FilmTile;
+use crate::paths::integrator::Start;
+use crate::paths::rays::{RayPacket, from_lanes, splat};
+use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// Of the cells whose ends look alike one in this many is searched, and stands for all.
+const UNLIKELY: u32 = 8;
+
+/// Dimensions from here on choose among several edges in a cell.
+const CHOICE: u32 = 16;
+
+/// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.
+const PROBE_INDEX: u32 = 0x8000_0000;
+/// More than are found at once in a cell.
+const PROBES_PER_ROUND: u32 = 64;
+
+/// Finds what jumps between all neighbours between which something that moves may be seen.
+pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
+    let cells = LatticeCells { scene, film };
+    let mut search = LineSearch::new(scene, &mut out.counts);
+    let (mut candidates, skipped) = searched_cells(&cells, &mut search);
+    for round in 0..ROUNDS {
+        let mut last = (u32::MAX, 0);
+        candidates = search.probe(&candidates, |group, directions, sides, counts| {
+            let index = probe_index(group, round, &mut last);
+            look(&cells, directions, sides, &index, counts)
+        });
+        if candidates.is_empty() {
+            break;
+        }
+    }
+    search
+        .met
+        .retain(|met| film.tile.contains(met.cell.position(met.s)));
+    weights::weigh(&cells, &mut search, &skipped);
+    let samples = search.met.iter().filter_map(|met| sample(&cells, met));
+    out.samples.extend(samples);
+}
+
+/// Searches the cells of a tile, and says which were left out.
+fn searched_cells<'a>(
+    cells: &LatticeCells<'a>,
+    search: &mut LineSearch<FilmCell<'a>>,
+) -> (Vec<Candidate<FilmCell<'a>>>, BTreeSet<(LatticeLine, i64)>) {
+    let FilmTile { view, tile, image } = *cells.film;
+    let [columns, rows] = tile.points;
+    let mut candidates = Vec::new();
+    let mut skipped = BTreeSet::new();
+    for axis in 0..2 {
+        for row in 0..rows - axis {
+            for column in 0..columns - (1 - axis) {
+                let (number, at) = if axis == 0 {
+                    (row, column)
+                } else {
+                    (column, row)
+                };
+                let line = LatticeLine { axis, number };
+                let (point, next) = (cells.index(line, at), cells.index(line, at + 1));
+                let (a, b) = (image.triangle[point], image.triangle[next]);
+                let differ = a != b || view.geometry.has_painted_edges(a);
+                if !tile.is_inner(1 - axis, number) || !differ {
+                    continue;
+                }
+                let number = (axis * columns * rows + point) as u32;
+                let mut choice = tile.stream.uniform(CHOICE + number) as f64;
+                // Equal radiances mostly mean that there is no jump, unless both are in shadow.
+                let mut weight = 1;
+                let radiance = image.radiance[point];
+                if radiance == image.radiance[next] && radiance != [0.0; 3] {
+                    weight = UNLIKELY;
+                    choice *= UNLIKELY as f64;
+                }
+                if choice >= 1.0 || !cells.moves(line, at) {
+                    skipped.insert((line, at as i64));
+                    continue;
+                }
+                let mut cell = cells.cell(line, at as i64, search.counts);
+                (cell.weight, cell.number) = (weight, number);
+                candidates.extend(search.candidates(&cell, Some(choice)));
+            }
+        }
+    }
+    (candidates, skipped)
+}
+
+/// The random numbers of probes: both sides of a crossing share theirs, and nothing else does. `last` is the cell of the
+/// probe before, and its place in that.
+fn probe_index(group: &[Candidate<FilmCell>], round: u32, last: &mut (u32, u32)) -> [u32; LANES] {
+    let mut index = [PROBE_INDEX; LANES];
+    for (i, candidate) in group.iter().enumerate() {
+        let number = candidate.cell.number;
+        let place = if last.0 == number { last.1 + 1 } else { 0 };
+        *last = (number, place);
+        let own = (number * ROUNDS + round) * PROBES_PER_ROUND + place;
+        index[2 * i..2 * i + 2].fill(PROBE_INDEX + own);
+    }
+    index
+}
+
+/// The radiance along these directions.
+fn look(
+    cells: &LatticeCells,
+    directions: &[Vec3; LANES],
+    sides: Sides,
+    index: &[u32; LANES],
+    counts: &mut Counts,
+) -> Seen {
+    let camera = &cells.film.view.camera;
+    let start = Start {
+        rays: RayPacket {
+            active: sides.active,
+            origin: splat(camera.origin),
+            direction: from_lanes(directions),
+            near: camera.near_clip,
+            far: camera.far_clip,
+        },
+        depth: 0,
+        with_emission: true,
+        between_planes: 0,
+    };
+    let stream = &cells.film.tile.stream;
+    cells.scene.probe(start, sides, stream, index, counts)
+}
+
+/// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density.
+fn sample(cells: &LatticeCells, met: &Met<FilmCell>) -> Option<BoundarySample> {
+    let FilmTile { view, tile, .. } = *cells.film;
+    let axis = met.cell.axis();
+    let c = met
+        .boundary
+        .normal(view.geometry, view.camera.origin.as_dvec3());
+    let gradient = view.camera.direction_per_pixel().map(|d| c.dot(d));
+    let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
+    let weight = met.jump * (velocity * tile.step[1 - axis]);
+    Some(BoundarySample {
+        boundary: met.boundary,
+        lane: 0,
+        at: Coordinate::Film(met.cell.position(met.s)),
+        weight: weight.as_vec3().to_array(),
+    })
+}

@@ -1,0 +1,314 @@
+//! Shadows: where the light's visibility jumps inside the light's own square.
+//!
+//! For a vertex x and a patch, L(θ) = ∫₀¹∫₀¹ g(s, r) vis(s, r) ds dr. On a line of fixed r, cut at any points
+//! s₀ = 0 < s₁ < … < 1, the change of variables of each cell shifts its interior rigidly by V_s, the speed of the
+//! silhouette that was found in it, and leaves ∂L = ∫∂(g)·vis + Σ_cells V_s·(g₋ − g₊) at the jump (a rotation of
+//! the bundle seen from x; Loubet 2019). Lines of fixed r give the part of the motion along s, lines of fixed s
+//! the part along r, and their sum is the whole: V·n dl = V_s dr + V_r ds.
+//!
+//! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it; the lines' ends lie
+//! on the light's rim, so that the cells cover them without gaps, and jittered points divide them. No kernel width: a
+//! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
+//! spacing of the points may be missed, and is weighed for that (`crate::boundary::reciprocal`).
+
+use crate::boundary::inclusion::Runs;
+use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
+use crate::boundary::reciprocal::{ShadowLine, Shadows};
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
+use crate::kernels::light::triangle_irradiance;
+use crate::lanes::LANES;
+use crate::paths::at::{At, PAIRS_PER_VERTEX};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::estimator::LightDraw;
+use crate::paths::light::patches::Patch;
+use crate::paths::moving::Sector;
+use crate::paths::random::Stream;
+use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
+use crate::paths::surface::materials::LightKind;
+use crate::scene::Rgb;
+use glam::{DVec3, Vec3};
+
+/// The ends of a line lie this far inside the light, where no ray grazes its border.
+const RIM: f32 = 1e-4;
+
+/// Jittered points between the ends of a line.
+const INNER_POINTS: usize = 2;
+/// Of a line: its ends, those, and one more.
+const POINTS: usize = INNER_POINTS + 3;
+
+/// Finds what jumps on both lines through every lane's light sample.
+pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, out: &mut Found) {
+    let facing = facing_light(at, &draw.patch);
+    if facing == 0 {
+        return;
+    }
+    let (_, jitter) = at.numbers.pair(1);
+    for axis in 0..2 {
+        let lines = LightLines {
+            scene,
+            at,
+            draw,
+            axis,
+            jitter: jitter.to_array(),
+        };
+        lines.find(facing, out);
+    }
+}
+
+/// Lanes that stand on the bright side of their patch and reflect anything.
+fn facing_light(at: &At, patch: &[u32; LANES]) -> u32 {
+    let (view, vertices) = (at.view, at.vertices);
+    let mut bits = 0u32;
+    for l in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
+        let p = &view.lights.patches[patch[l] as usize];
+        let front = p.edges[0]
+            .cross(p.edges[1])
+            .dot(lane_of(at.surface.x, l) - p.corner)
+            > 0.0;
+        bits |= (front as u32) << l;
+    }
+    bits & vertices.kinds.lit_by_samples() & !view.reflects_nothing(vertices)
+}
+
+/// The lines of one direction of all lanes.
+struct LightLines<'a> {
+    scene: &'a SearchScene<'a>,
+    at: &'a At<'a>,
+    draw: &'a LightDraw,
+    /// The lines go along this axis of the patches.
+    axis: usize,
+    jitter: [f32; LANES],
+}
+
+impl LightLines<'_> {
+    fn find(&self, facing: u32, out: &mut Found) {
+        let (mut active, mut ends) = (0u32, [[RIM; 2]; LANES]);
+        for lane in (0..LANES).filter(|&l| facing >> l & 1 == 1) {
+            if let Some(part) = self.part_that_matters(lane) {
+                active |= 1 << lane;
+                ends[lane] = part;
+            }
+        }
+        let positions: [[f32; LANES]; POINTS] = {
+            let points: [_; LANES] = std::array::from_fn(|l| {
+                let extra = self.draws(l).uniform(0);
+                points(ends[l], self.jitter[l], extra)
+            });
+            std::array::from_fn(|i| std::array::from_fn(|l| points[l][i]))
+        };
+        let visible = positions.map(|along| self.visible(&along, active, out));
+        let jumps = visible.windows(2).fold(0, |bits, v| bits | (v[0] ^ v[1]));
+        for lane in (0..LANES).filter(|&l| jumps >> l & 1 == 1) {
+            let line = LightLine {
+                at: self.at,
+                lane,
+                axis: self.axis,
+                patch: self.draw.patch[lane],
+                fixed: self.fixed()[lane],
+                ends: ends[lane],
+                point: SurfacePoint::of_lane(self.at, lane),
+            };
+            let points = positions.map(|at| at[lane] as f64);
+            let is_open = visible.map(|v| v >> lane & 1 == 1);
+            let shadows = Shadows {
+                scene: self.scene,
+                point: &line.point,
+                line: &line,
+            };
+            let draws = self.draws(lane);
+            for edge in shadows.edges(&points, &is_open, &draws, &mut out.counts) {
+                out.samples.push(line.sample(edge.end, edge.at, edge.jump));
+            }
+        }
+    }
+
+    /// For other points of a lane's line.
+    fn draws(&self, lane: usize) -> Stream {
+        let numbers = &self.at.numbers;
+        let salt = numbers.depth * PAIRS_PER_VERTEX * 2 + self.axis as u32;
+        numbers.stream.branch([numbers.index[lane], salt])
+    }
+
+    /// Each lane's coordinate across its line.
+    fn fixed(&self) -> &[f32; LANES] {
+        &self.draw.square[1 - self.axis]
+    }
+
+    /// The part of a lane's line that is above its horizon; `None` if nothing may be found there that moves.
+    fn part_that_matters(&self, lane: usize) -> Option<[f32; 2]> {
+        let SearchScene { view, moving, .. } = *self.scene;
+        let (vertices, surface) = (self.at.vertices, self.at.surface);
+        let patch = &view.lights.patches[self.draw.patch[lane] as usize];
+        let fixed = self.fixed()[lane];
+        let range = [RIM, patch.line_end(fixed) - RIM];
+        let point = |along: f32| point_on_line(patch, self.axis, along, fixed);
+        let (x, n) = (lane_of(surface.x, lane), lane_of(surface.n, lane));
+        let part = above_horizon(range, range.map(|at| n.dot(point(at) - x)))?;
+        let [a, b] = part.map(|at| (point(at) - x).as_dvec3());
+        let moves = vertices.moves >> lane & 1 == 1
+            || moving.vertex(view.geometry, patch.lower[0])
+            || moving.meets(&Sector::between(x.as_dvec3(), a, b));
+        moves.then_some(part)
+    }
+
+    /// The lanes that see their patch at this place of their line.
+    fn visible(&self, along: &[f32; LANES], active: u32, out: &mut Found) -> u32 {
+        let (view, surface) = (self.at.view, self.at.surface);
+        let (s, r) = if self.axis == 0 {
+            (along, self.fixed())
+        } else {
+            (self.fixed(), along)
+        };
+        let y = view.patch_points(&self.draw.patch, s, r);
+        let rays = RayPacket::toward(surface.x, surface.geometric, y, active);
+        view.unoccluded(&rays, &mut out.counts.light_cell)
+    }
+}
+
+/// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there would be shadows that are never
+/// found: those that always have the line's end for a neighbour, where that is hidden by something else.
+fn points([from, to]: [f32; 2], jitter: f32, extra: f32) -> [f32; POINTS] {
+    let mut points = [from; POINTS];
+    for (i, point) in points[1..=INNER_POINTS].iter_mut().enumerate() {
+        *point += (to - from) * (i as f32 + jitter) / INNER_POINTS as f32;
+    }
+    points[POINTS - 2] += (to - from) * extra;
+    points[POINTS - 1] = to;
+    points.sort_by(f32::total_cmp);
+    points
+}
+
+/// The part of a line whose points stand higher than the surface's horizon, given the heights at its ends.
+fn above_horizon([from, to]: [f32; 2], [low, high]: [f32; 2]) -> Option<[f32; 2]> {
+    let crossing = from + (to - from) * low / (low - high);
+    match (low > 0.0, high > 0.0) {
+        (true, true) => Some([from, to]),
+        (true, false) => Some([from, crossing - RIM]),
+        (false, true) => Some([crossing + RIM, to]),
+        (false, false) => None,
+    }
+    .filter(|[from, to]| from < to)
+}
+
+fn point_on_line(patch: &Patch, axis: usize, along: f32, fixed: f32) -> Vec3 {
+    if axis == 0 {
+        patch.point(along, fixed)
+    } else {
+        patch.point(fixed, along)
+    }
+}
+
+/// A line on a light, as seen by a lane.
+struct LightLine<'a> {
+    at: &'a At<'a>,
+    lane: usize,
+    axis: usize,
+    patch: u32,
+    fixed: f32,
+    /// Along the axis.
+    ends: [f32; 2],
+    point: SurfacePoint,
+}
+
+impl ShadowLine for LightLine<'_> {
+    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        points(self.ends, random() as f32, random() as f32)
+            .map(f64::from)
+            .to_vec()
+    }
+
+    /// To the light, of full length.
+    fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
+        move |s| {
+            let along = self.coordinate(ends, s) as f32;
+            let y = point_on_line(self.patch(), self.axis, along, self.fixed).as_dvec3();
+            y - self.point.leave(y - self.point.x.as_dvec3()).as_dvec3()
+        }
+    }
+
+    fn coordinate(&self, [from, to]: [f64; 2], s: f64) -> f64 {
+        from + (to - from) * s
+    }
+
+    fn far(&self) -> f32 {
+        SHADOW_FAR
+    }
+
+    fn runs(&self, borders: &[f64]) -> Runs {
+        let [from, to] = self.ends.map(f64::from);
+        let part = |at: &f64| (at - from) / (to - from);
+        let places = borders.iter().map(|at| part(at) * INNER_POINTS as f64);
+        Runs::with_extra(places.collect(), borders.iter().map(part))
+    }
+}
+
+impl LightLine<'_> {
+    fn patch(&self) -> &Patch {
+        &self.at.view.lights.patches[self.patch as usize]
+    }
+
+    fn sample(&self, end: OccluderEnd, along: f64, jump: f64) -> BoundarySample {
+        let OccluderEnd { edge, .. } = end;
+        let line = self.patch().edges[1 - self.axis].as_dvec3();
+        let boundary = match end.along {
+            Some(along) => Boundary::Point { edge, along, line },
+            None => Boundary::Edge(edge),
+        };
+        let fixed = self.fixed as f64;
+        let at = if self.axis == 0 {
+            [along, fixed]
+        } else {
+            [fixed, along]
+        };
+        BoundarySample {
+            boundary,
+            lane: self.lane as u8,
+            at: Coordinate::Light {
+                patch: self.patch,
+                at,
+            },
+            weight: self.radiance_per_side(boundary, at, jump),
+        }
+    }
+
+    /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump · V/Ḟ over the
+    /// probability of the patch.
+    fn radiance_per_side(&self, boundary: Boundary, at: [f64; 2], jump: f64) -> Rgb {
+        let At {
+            view,
+            vertices,
+            surface,
+            ..
+        } = *self.at;
+        let (geometry, lane, patch) = (view.geometry, self.lane, self.patch());
+        let x = vertices.position(geometry, lane);
+        let c = boundary.normal(geometry, x);
+        let edges = patch.edges.map(|e| e.as_dvec3());
+        let gradient = edges.map(|e| c.dot(e));
+        let metric = [
+            edges[0].dot(edges[0]),
+            edges[0].dot(edges[1]),
+            edges[1].dot(edges[1]),
+        ];
+        let Some(velocity) = velocity_per_side(gradient, metric, self.axis) else {
+            return [0.0; 3];
+        };
+        let (s, r) = (at[0] as f32, at[1] as f32);
+        let (ids, [b1, b2]) = patch.vertices_at(s, r);
+        let [q0, q1, q2] = ids.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+        let n = vector(lane_of(surface.n, lane).as_dvec3());
+        let irradiance = triangle_irradiance(vector(x), n, q0, q1, q2, b1 as f64, b2 as f64);
+        let scale = irradiance * jump * velocity / patch.probability as f64;
+        let radiance = Vec3::from(view.patch_radiance(self.patch, s, r));
+        let value = if surface.interface.is_some() {
+            let w = from_lanes(&[patch.point(s, r) - lane_of(surface.x, lane); LANES]);
+            let all = view.value_toward(vertices, surface, w, LightKind::Sampled);
+            lane_of(all, lane)
+        } else {
+            lane_of(vertices.colour, lane)
+        };
+        let colour = lane_of(vertices.throughput, lane) * value * radiance;
+        (colour.as_dvec3() * scale).as_vec3().to_array()
+    }
+}

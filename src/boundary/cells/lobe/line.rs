@@ -1,0 +1,425 @@
+//! Lines over the hemisphere on which silhouettes are looked for.
+//!
+//! A line is a half great circle from −P to P through a direction M across P: d(ψ) = P·sin ψ + M·cos ψ. With φ turning M about P the
+//! measure is dω = cos ψ dψ dφ. A line drawn with density p(φ) that a silhouette crosses with angular speed ψ̇ contributes
+//! (L₋ − L₊)·f cosθ·ψ̇·cos ψ/p(φ).
+//!
+//! Two families of lines are used, about two orthogonal axes P. Each could find every silhouette, so they are
+//! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
+//! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
+//!
+//! **Diffuse crate::boundary::inclusion::Runs;
+use crate::boundary::inclusion::Runs;
+use crate::discontinuity::boundary::{dvec3, vector};
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{Interface, RoughTransmission, interface_bounce};
+use crate::lanes::Lane;
+use crate::paths::at::At;
+use crate::paths::moving::Sector;
+use crate::paths::rays::lane_of;
+use crate::paths::store::Vertices;
+use crate::paths::surface::lobe_sample::{View, frame_of_lane};
+use crate::paths::surface::materials::interface_of_lane;
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+
+/// Points on a line besides its two ends on the horizon, and the bounce if it lies on it: jittered, so that no silhouette
+/// hides between the same two points for all vertices.
+pub const INNER_POINTS: usize = 4;
+/// No lobe is taken for narrower (radians).
+const NARROWEST: f64 = 1e-4;
+/// Lines end this far above the horizon (radians), where no ray grazes the surface.
+const RIM: f64 = 1e-4;
+
+/// How points lie on a line.
+#[derive(Clone, Copy, Debug)]
+enum Spread {
+    /// At equal angles, and the bounce.
+    Diffuse,
+    /// Within a lobe of this width.
+    Lobe { width: f64 },
+}
+
+/// One line of one lane, or a part of it.
+#[derive(Clone)]
+pub struct Line {
+    /// P and M, unit and orthogonal.
+    pole: DVec3,
+    middle: DVec3,
+    /// The poles of both families, and which is this line's.
+    poles: [DVec3; 2],
+    axis: usize,
+    spread: Spread,
+    /// 1/p(φ).
+    inverse_density: f64,
+    /// Of all points, increasing.
+    pub psi: Vec<f64>,
+    /// Which of them is the bounce.
+    pub bounce: Option<usize>,
+    /// Whether it lies on the line, in this part or in the other.
+    through_bounce: bool,
+}
+
+/// The lobe that a lane's path goes on in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    Diffuse,
+    Reflected,
+    Refracted,
+}
+
+impl Lobe {
+    /// Of a lane; `None` where it has no width.
+    pub fn of_lane(vertices: &Vertices, lane: usize) -> Option<Self> {
+        let bit = 1u32 << lane;
+        let lobes = vertices.lobes;
+        if lobes.diffuse & bit != 0 {
+            return Some(Lobe::Diffuse);
+        }
+        if vertices.kinds.smooth & bit != 0 {
+            return None;
+        }
+        if lobes.reflected & bit != 0 {
+            Some(Lobe::Reflected)
+        } else if lobes.refracted & bit != 0 {
+            Some(Lobe::Refracted)
+        } else {
+            None
+        }
+    }
+}
+
+/// What a lane's surface is, in f64.
+pub struct LaneSurface<'a> {
+    at: &'a At<'a>,
+    lane: usize,
+    pub lobe: Lobe,
+    pub n: DVec3,
+    direction: DVec3,
+    interface: Option<Interface<f64>>,
+    transmission: Option<RoughTransmission<f64>>,
+}
+
+impl<'a> LaneSurface<'a> {
+    pub fn new(at: &'a At<'a>, lane: usize, lobe: Lobe) -> Self {
+        let At {
+            vertices, surface, ..
+        } = *at;
+        Self {
+            at,
+            lane,
+            lobe,
+            n: lane_of(surface.n, lane).as_dvec3(),
+            direction: lane_of(vertices.direction, lane).as_dvec3(),
+            interface: surface
+                .interface
+                .as_ref()
+                .map(|s| interface_of_lane(s, lane)),
+            transmission: None,
+        }
+    }
+
+    pub fn lane(&self) -> usize {
+        self.lane
+    }
+
+    /// With what a rough plastic lets through, looked up for directions at cosine `cos_out`.
+    fn with_transmission(&mut self, cos_out: f64) {
+        let At {
+            view,
+            vertices,
+            surface,
+            ..
+        } = *self.at;
+        let all = view.transmission(vertices, surface, Lane::splat(cos_out as f32));
+        self.transmission = Some(all.map(|x| f64::from(x.to_array()[self.lane])));
+    }
+
+    /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
+    fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
+        let bit = |bits: u32| bits >> self.lane & 1 == 1;
+        let Some(interface) = self.interface else {
+            let n = vector(self.n);
+            let next = dvec3(direction_from_local(n, local.x, local.y, local.z));
+            return (next, lane_of(self.at.vertices.colour, self.lane).as_dvec3());
+        };
+        let kinds = &self.at.vertices.kinds;
+        let (next, weight) = interface_bounce(
+            vector(self.n),
+            vector(self.direction),
+            local.x,
+            local.y,
+            local.z,
+            interface,
+            self.transmission.unwrap_or(RoughTransmission::none()),
+            self.lobe == Lobe::Diffuse,
+            self.lobe == Lobe::Reflected,
+            self.lobe == Lobe::Refracted,
+            bit(kinds.conductor),
+            bit(kinds.plastic),
+            bit(kinds.smooth),
+            bit(kinds.ggx),
+            bit(kinds.nonlinear),
+            !bit(kinds.inside),
+        );
+        (dvec3(next), dvec3(weight))
+    }
+
+    /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times cosine there.
+    pub fn value(&mut self, d: DVec3) -> Option<(DVec3, DVec3)> {
+        let wi = -self.direction.normalize();
+        let (coordinate, density) = match self.lobe {
+            Lobe::Diffuse => (d, self.n.dot(d) * FRAC_1_PI),
+            Lobe::Reflected => {
+                let h = (wi + d).normalize();
+                (h, 0.25 / wi.dot(h))
+            }
+            Lobe::Refracted => {
+                let ratio = self.ratio();
+                let h = (wi + d * ratio).normalize();
+                let h = if h.dot(self.n) < 0.0 { -h } else { h };
+                let (i, o) = (wi.dot(h), d.dot(h));
+                if i <= 0.0 || o >= 0.0 {
+                    // No facet that looks outward refracts into this direction.
+                    return None;
+                }
+                let sum = i + ratio * o;
+                (h, ratio * ratio * o.abs() / (sum * sum))
+            }
+        };
+        if self.lobe == Lobe::Diffuse && self.interface.is_some() {
+            self.with_transmission(self.n.dot(d));
+        }
+        let frame = frame_of_lane(self.at.surface, self.lane);
+        let local = DVec3::from(frame.map(|axis| axis.dot(coordinate)));
+        if local.z <= 0.0 {
+            return None;
+        }
+        let (_, weight) = self.bounce(local);
+        Some((local, weight * density))
+    }
+
+    /// Index beyond the interface over that on this side.
+    fn ratio(&self) -> f64 {
+        let eta = self.interface.map_or(1.0, |s| s.eta.x);
+        if self.at.vertices.kinds.inside >> self.lane & 1 == 1 {
+            1.0 / eta
+        } else {
+            eta
+        }
+    }
+
+    /// +1 if the lobe leaves on the side of the normal, −1 if beyond the surface.
+    fn side(&self) -> f64 {
+        if self.lobe == Lobe::Refracted {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+}
+
+impl Line {
+    /// The line through a diffuse bounce, of which `jitter` in [0, 1) places the points.
+    pub fn diffuse(at: &LaneSurface, bounce: DVec3, axis: usize, jitter: f64, on: bool) -> Self {
+        let frame = frame_of_lane(at.at.surface, at.lane);
+        let poles = [frame[0], frame[1]];
+        let pole = poles[axis];
+        let middle = (bounce - pole * bounce.dot(pole)).normalize();
+        let of_bounce = bounce.dot(pole).atan2(bounce.dot(middle));
+        let (psi, bounce) = Self::points(jitter, on.then_some(of_bounce));
+        Self {
+            pole,
+            middle,
+            poles,
+            axis,
+            spread: Spread::Diffuse,
+            inverse_density: 2.0 / middle.dot(at.n).max(1e-9),
+            psi,
+            bounce,
+            through_bounce: on,
+        }
+    }
+
+    /// The points of a line of diffuse light, increasing, and which of them is the bounce.
+    pub fn points(jitter: f64, bounce: Option<f64>) -> (Vec<f64>, Option<usize>) {
+        let end = FRAC_PI_2 - RIM;
+        let inner =
+            (0..INNER_POINTS).map(|k| PI * (k as f64 + jitter) / INNER_POINTS as f64 - FRAC_PI_2);
+        let mut psi: Vec<f64> = inner.collect();
+        let place = bounce.map(|bounce| {
+            let before = psi.partition_point(|&p| p < bounce);
+            psi.insert(before, bounce);
+            before + 1
+        });
+        psi.iter_mut().for_each(|p| *p = p.clamp(-end, end));
+        psi.insert(0, -end);
+        psi.push(end);
+        (psi, place)
+    }
+
+    /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points. `None` if all of it lies below the
+    /// horizon.
+    pub fn lobe(at: &LaneSurface, axis: usize, place: f64, jitter: f64) -> Option<Self> {
+        // Where all light is reflected there is no other direction; any will do.
+        let main = at.bounce(DVec3::Z).0.normalize();
+        let frame = frame_of_lane(at.at.surface, at.lane);
+        let view = View::of_lane(at.at.vertices, at.at.surface, at.lane);
+        let across = at.n.cross(view.world);
+        // Where the ray arrives along the normal any plane will do.
+        let across = across.try_normalize().unwrap_or(frame[0]);
+        let across = if across.length_squared() > 0.5 {
+            across
+        } else {
+            frame[0]
+        };
+        let poles = [
+            main.cross(across).normalize(),
+            across - main * across.dot(main),
+        ];
+        let poles = [poles[0], poles[1].normalize()];
+        let tilted = |tangent: DVec3| {
+            let h = (at.n + tangent * view.alpha).normalize();
+            let local = DVec3::from(frame.map(|axis| axis.dot(h)));
+            let angle = at.bounce(local).0.angle_between(main);
+            angle.clamp(NARROWEST, 1.0)
+        };
+        let widths = [tilted(across.cross(at.n)), tilted(across)];
+        let (pole, other) = (poles[axis], poles[1 - axis]);
+        let (width, turn) = (widths[axis], widths[1 - axis]);
+        let q = 2.0 * place - 1.0;
+        let phi = turn * q / (1.0 - q * q).max(1e-12).sqrt();
+        if phi.abs() >= PI {
+            return None;
+        }
+        let middle = main * phi.cos() + other * phi.sin();
+        let [low, high] = above_horizon(pole, middle, at.n * at.side())?;
+        let scale = 1.0 + (phi / turn).powi(2);
+        let spread = Spread::Lobe { width };
+        let mut psi: Vec<f64> = (0..INNER_POINTS)
+            .map(|k| 2.0 * (k as f64 + jitter) / INNER_POINTS as f64 - 1.0)
+            .map(|q| width * q / (1.0 - q * q).max(1e-12).sqrt())
+            .filter(|p| (low..high).contains(p))
+            .collect();
+        psi.insert(0, low);
+        psi.push(high);
+        Some(Self {
+            pole,
+            middle,
+            poles,
+            axis,
+            spread,
+            inverse_density: 2.0 * turn * scale * scale.sqrt(),
+            psi,
+            bounce: None,
+            through_bounce: false,
+        })
+    }
+
+    /// Where it crosses the plane of the triangle that it starts on, whose normal this is, and its parts before and beyond that; `None` where all
+    /// of it lies on one side. Rays leave on one side or the other, so that what they see jumps there. Shading normals are why a line crosses that plane.
+    pub fn cut(&self, geometric: DVec3) -> Option<(f64, [Self; 2])> {
+        let at = -(self.middle.dot(geometric) / self.pole.dot(geometric)).atan();
+        let (&first, &last) = (self.psi.first()?, self.psi.last()?);
+        if !(first + 2.0 * RIM..last - 2.0 * RIM).contains(&at) {
+            return None;
+        }
+        let [end, start] = [at - RIM, at + RIM];
+        let place = |psi: f64| self.psi.partition_point(|&p| p < psi);
+        let (before, beyond) = (place(end), place(start));
+        let part = |psi: Vec<f64>, bounce: Option<usize>| Self {
+            psi,
+            bounce,
+            ..self.clone()
+        };
+        let mut low = self.psi[..before].to_vec();
+        low.push(end);
+        let mut high = vec![start];
+        high.extend(&self.psi[beyond..]);
+        let low = part(low, self.bounce.filter(|&b| b < before));
+        let high = part(
+            high,
+            self.bounce.filter(|&b| b >= beyond).map(|b| b - beyond + 1),
+        );
+        Some((at, [low, high]))
+    }
+
+    /// The direction at ψ, unit.
+    pub fn direction(&self, psi: f64) -> DVec3 {
+        self.pole * psi.sin() + self.middle * psi.cos().max(0.0)
+    }
+
+    /// Where a direction on the line lies on it.
+    pub fn psi_of(&self, direction: DVec3) -> f64 {
+        self.pole.dot(direction).atan2(self.middle.dot(direction))
+    }
+
+    /// Where it can see something from `x`.
+    pub fn sector(&self, x: DVec3, at: &LaneSurface) -> Sector {
+        Sector {
+            origin: x,
+            normal: self.pole.cross(self.middle),
+            inward: [self.middle, at.n * at.side()],
+        }
+    }
+
+    /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f cosθ, if F = `c`·d.
+    pub fn crossing_weight(&self, c: DVec3, d: DVec3) -> Option<f64> {
+        Some(line_weight(self.poles, self.axis, c, d)? * self.inverse_density)
+    }
+
+    /// The runs between borders at these ψ, increasing.
+    pub fn runs(&self, psi: &[f64]) -> Runs {
+        let places = psi.iter().map(|&psi| self.place(psi)).collect();
+        // The density of the bounce on its line is 2/π cos²ψ.
+        let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
+        let ends = psi.iter().map(|&psi| below(psi));
+        let mut runs = Runs::with_extra(places, ends);
+        if !self.through_bounce {
+            runs.extra.fill(0.0);
+        }
+        runs
+    }
+
+    /// Of a ψ in distances of the jittered points.
+    fn place(&self, psi: f64) -> f64 {
+        let part = match self.spread {
+            Spread::Diffuse => psi * FRAC_1_PI + 0.5,
+            Spread::Lobe { width } => 0.5 * (psi / psi.hypot(width) + 1.0),
+        };
+        part * INNER_POINTS as f64
+    }
+}
+
+/// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since the directions of its
+/// ends are rounded and must not leave on the other side of the surface.
+pub fn above_horizon(pole: DVec3, middle: DVec3, n: DVec3) -> Option<[f64; 2]> {
+    // n·d = A sin ψ + B cos ψ changes sign once, at an end if the pole lies on the horizon.
+    let (a, b) = (pole.dot(n), middle.dot(n));
+    let zero = -(b / a).atan();
+    let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
+    if a > 0.0 {
+        low = zero;
+    } else if a < 0.0 {
+        high = zero;
+    } else if b <= 0.0 {
+        return None;
+    }
+    (high - low > 3.0 * RIM).then_some([low + RIM, high - RIM])
+}
+
+/// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at `d`; `None` where it does
+/// not cross.
+pub fn line_weight(poles: [DVec3; 2], axis: usize, c: DVec3, d: DVec3) -> Option<f64> {
+    let along = poles.map(|pole| {
+        let toward = pole - d * d.dot(pole);
+        c.dot(toward) / toward.length()
+    });
+    let norm = along[0] * along[0] + along[1] * along[1];
+    if norm.is_nan() || norm <= 0.0 {
+        return None;
+    }
+    let sin_psi = d.dot(poles[axis]);
+    let cos_psi = (1.0 - sin_psi * sin_psi).max(0.0).sqrt();
+    Some(-along[axis] / norm * cos_psi)
+}

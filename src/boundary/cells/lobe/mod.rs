@@ -1,0 +1,6 @@
+//! Where the radiance that arrives in a lobe jumps.
+
+pub mod line;
+pub mod packet;
+pub mod search;
+pub mod vertex;

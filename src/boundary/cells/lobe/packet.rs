@@ -1,0 +1,179 @@
+//! Lines over the hemisphere of a vertex that other surfaces surround.
+//!
+//! What lies beyond a silhouette has to be known here: the ends of cells are first hits, silhouettes are walked to from both, and a
+//! path is traced on either side of each (`boundary::cells::lobe::search`).
+
+use super::line::{LaneSurface, Line, Lobe};
+use super::search::{self, PROBES, PROBES_OF_PART, Part, Way};
+use super::vertex::{FAMILIES, LobeSearch};
+use crate::boundary::cells::environment::constant;
+use crate::boundary::search_scene::SearchScene;
+use crate::lanes::LANES;
+use crate::paths::at::At;
+use crate::paths::boundary_sample::Found;
+use crate::paths::estimator::{Bounce, Seen};
+use crate::paths::rays::lane_of;
+use crate::trace::geometry::NO_TRIANGLE;
+
+/// Dimension of a stream from which on families of lines are drawn.
+const AXIS: u32 = 0x2000_0000;
+/// Streams of paths that look beside silhouettes are kept apart from all others by this dimension offset.
+const PROBE_INDEX: u32 = 0x4000_0000;
+
+/// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is drawn for all lanes.
+pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
+    let (view, numbers) = (scene.view, &at.numbers);
+    // Numbered by the vertex that the bounces lead to.
+    let depth = numbers.depth + 1;
+    let (_, jitter) = numbers.pair(4);
+    let number = numbers.index[0].wrapping_mul(8).wrapping_add(depth);
+    let at_last = depth + 1 >= view.limits.max_depth;
+    let mut search = LobeSearch {
+        scene,
+        at,
+        bounce,
+        axis: (numbers.stream.uniform(AXIS + number) * 2.0) as usize,
+        jitter: jitter.to_array(),
+        at_last,
+        out,
+    };
+    let environment = view.scene.environment.as_ref();
+    let is_even = environment.is_none_or(|e| e.map.is_none()) && at.vertices.kinds.special() == 0;
+    // Where only an even environment shines a line needs no more than occlusion; else every line costs walks over
+    // whatever is seen, and one lane stands for all.
+    if at_last && is_even {
+        if environment.is_some() {
+            let free = match bounce.seen {
+                Seen::Environment(free) => free,
+                Seen::Triangles(triangles) => (0..LANES)
+                    .filter(|&l| triangles[l] == NO_TRIANGLE)
+                    .fold(0, |b, l| b | 1 << l),
+            };
+            constant::find(&mut search, free);
+        }
+    } else {
+        among_surfaces(&mut search, depth);
+    }
+}
+
+/// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
+/// of a packet see different meshes, a silhouette is near, and all its lanes look for it.
+fn among_surfaces(search: &mut LobeSearch, depth: u32) {
+    let At {
+        vertices, numbers, ..
+    } = *search.at;
+    let environment = &search.scene.view.scene.environment;
+    let has_even_sky = environment.as_ref().is_some_and(|e| e.map.is_none());
+    let [mut narrow, mut others] = [0u32; 2];
+    let looks = vertices.line_survival.to_array();
+    for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
+        match Lobe::of_lane(vertices, lane) {
+            None => {}
+            Some(lobe) if is_narrow(search, lobe, lane) => narrow |= 1 << lane,
+            // What light samples find at the last vertex has lines of its own, on the lights.
+            Some(_) if search.at_last && !has_even_sky => {}
+            Some(_) => others |= 1 << lane,
+        }
+    }
+    for (group, lanes) in [narrow, others].into_iter().enumerate() {
+        let count = lanes.count_ones();
+        if count == 0 {
+            continue;
+        }
+        let all = group == 0 && sees_several(search, lanes & search.bounce.rays.active);
+        let dimension = AXIS + numbers.index[0] * 128 + depth * 2 + group as u32;
+        let chosen = (numbers.stream.uniform(dimension) * count as f32) as u32;
+        let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
+        for (number, lane) in lanes.enumerate() {
+            if all {
+                line_of_lane(search, lane, 1.0, depth);
+            } else if number as u32 == chosen.min(count - 1) {
+                line_of_lane(search, lane, count as f64, depth);
+            }
+        }
+    }
+}
+
+/// Whether light samples are of no use to a lobe.
+fn is_narrow(search: &LobeSearch, lobe: Lobe, lane: usize) -> bool {
+    lobe != Lobe::Diffuse && search.at.vertices.kinds.wide >> lane & 1 == 0
+}
+
+/// Whether these lanes' bounces end on different meshes.
+fn sees_several(search: &LobeSearch, lanes: u32) -> bool {
+    match search.bounce.seen {
+        Seen::Environment(free) => free & lanes != 0 && free & lanes != lanes,
+        Seen::Triangles(triangles) => {
+            let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
+            let mesh_of_triangle = &search.scene.view.geometry.mesh_of_triangle;
+            let mesh = |triangle: u32| {
+                (triangle != NO_TRIANGLE).then(|| mesh_of_triangle[triangle as usize])
+            };
+            let mut meshes = lanes.map(|l| mesh(triangles[l]));
+            let first = meshes.next();
+            meshes.any(|m| Some(m) != first)
+        }
+    }
+}
+
+/// A line for one lane of the packet, which stands for as many as `weight`.
+fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64, depth: u32) {
+    let here = search.at;
+    let Some(lobe) = Lobe::of_lane(here.vertices, lane) else {
+        return;
+    };
+    let is_narrow = is_narrow(search, lobe, lane);
+    let index = here.numbers.index[lane];
+    let number = index.wrapping_mul(8).wrapping_add(depth);
+    let choice = |salt: u32| here.numbers.stream.uniform(AXIS + number * 16 + salt) as f64;
+    let mut at = LaneSurface::new(here, lane, lobe);
+    let jitter = search.jitter[lane] as f64;
+    let line = if lobe == Lobe::Diffuse {
+        let bounce = lane_of(search.bounce.rays.direction, lane);
+        let bounce = bounce.as_dvec3().normalize();
+        let is_known = matches!(search.bounce.seen, Seen::Triangles(_));
+        Some(Line::diffuse(&at, bounce, search.axis, jitter, is_known))
+    } else {
+        Line::lobe(&at, (choice(1) * FAMILIES) as usize, choice(2), jitter)
+    };
+    let Some(line) = line else { return };
+    if !search.moves(lane, &line, &at) {
+        return;
+    }
+    // Both sides of a crossing share their random numbers, and nothing else does.
+    let probes = |number: u32| PROBE_INDEX + (index * PROBES + number) * LANES as u32;
+    let way = Way {
+        lane,
+        weight,
+        is_narrow,
+        depth,
+    };
+    let geometric = lane_of(here.surface.geometric, lane).as_dvec3();
+    let Some((psi, [before, beyond])) = line.cut(geometric) else {
+        let part = Part {
+            line: &line,
+            choice: &|i| choice(3 + i),
+            probe_index: &probes,
+        };
+        search::on_part(search, &mut at, &way, &part);
+        return;
+    };
+    let cells = before.psi.len() as u32 - 1;
+    let parts = [
+        Part {
+            line: &before,
+            choice: &|i| choice(3 + i),
+            probe_index: &probes,
+        },
+        Part {
+            line: &beyond,
+            choice: &|i| choice(3 + cells + i),
+            probe_index: &|number| probes(PROBES_OF_PART + number),
+        },
+    ];
+    for part in &parts {
+        search::on_part(search, &mut at, &way, part);
+    }
+    let index = probes(2 * PROBES_OF_PART);
+    search::on_own_plane(search, &mut at, &way, [&before, &beyond], (psi, index));
+}

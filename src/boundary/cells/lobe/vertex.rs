@@ -1,0 +1,73 @@
+//! What a surface sees: where the radiance jumps over the hemisphere above a vertex, or below it where it refracts.
+//!
+//! The narrow kernels and spherical convolutions of Loubet et al. (2019) exist because their rotations need
+//! a small support. A cell needs none: as on the film and on the lights, the hemisphere is cut along lines
+//! (`boundary::cells::lobe::line`), whose points are the ends of cells.
+
+use super::line::{LaneSurface, Line};
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::boundary::Boundary;
+use crate::lanes::LANES;
+use crate::paths::at::At;
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::estimator::Bounce;
+use crate::paths::rays::lane_of;
+use glam::DVec3;
+
+/// There are two families and one is drawn.
+pub const FAMILIES: f64 = 2.0;
+
+/// Looks on the lines of one packet's vertices.
+pub struct LobeSearch<'a> {
+    pub scene: &'a SearchScene<'a>,
+    pub at: &'a At<'a>,
+    pub bounce: &'a Bounce<'a>,
+    /// The family of lines that was drawn.
+    pub axis: usize,
+    pub jitter: [f32; LANES],
+    /// Whether no light samples are taken where the bounces lead.
+    pub at_last: bool,
+    pub out: &'a mut Found,
+}
+
+impl LobeSearch<'_> {
+    /// Whether something may be found on a line that moves as seen by its lane.
+    pub fn moves(&self, lane: usize, line: &Line, at: &LaneSurface) -> bool {
+        let x = lane_of(self.at.surface.x, lane).as_dvec3();
+        let moving = self.scene.moving;
+        self.at.vertices.moves >> lane & 1 == 1 || moving.meets(&line.sector(x, at))
+    }
+
+    /// Keeps what jumps by `jump` in a direction on a line.
+    pub fn push(
+        &mut self,
+        at: &mut LaneSurface,
+        line: &Line,
+        boundary: Boundary,
+        direction: DVec3,
+        jump: DVec3,
+    ) {
+        let (lane, vertices) = (at.lane(), self.at.vertices);
+        let geometry = self.scene.view.geometry;
+        let c = boundary.normal(geometry, vertices.position(geometry, lane));
+        let (Some((local, value)), Some(weight)) =
+            (at.value(direction), line.crossing_weight(c, direction))
+        else {
+            return;
+        };
+        let chance = vertices.lobe_chance.to_array()[lane] as f64;
+        let survival = vertices.line_survival.to_array()[lane] as f64;
+        let throughput = lane_of(vertices.throughput, lane).as_dvec3();
+        let radiance = throughput * value * jump * (weight * survival / chance);
+        if !radiance.is_finite() {
+            self.out.counts.boundary_not_finite += 1;
+            return;
+        }
+        self.out.samples.push(BoundarySample {
+            boundary,
+            lane: lane as u8,
+            at: Coordinate::Lobe(local.to_array()),
+            weight: radiance.as_vec3().to_array(),
+        });
+    }
+}

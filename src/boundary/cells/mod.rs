@@ -1,0 +1,58 @@
+//! Our own estimator: the domain of each integral is cut into cells by lines, and what jumps is found between their ends.
+
+pub mod environment;
+pub mod film;
+mod light;
+mod line_search;
+pub mod lobe;
+
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::at::At;
+use crate::paths::boundary_sample::Found;
+use crate::paths::estimator::{Bounce, BoundaryEstimator, FilmTile, LightDraw};
+use crate::paths::moving::Moving;
+use crate::paths::scene_view::SceneView;
+
+/// Changes of variables that hold the discontinuities still in cells (`docs/method.md`).
+pub struct Cells<'a> {
+    pub adjacency: &'a Adjacency,
+    /// What moves, of what there are boundaries.
+    pub moving: &'a Moving,
+}
+
+impl<'a> Cells<'a> {
+    fn scene(&self, view: &'a SceneView<'a>) -> SearchScene<'a> {
+        SearchScene {
+            view,
+            adjacency: self.adjacency,
+            moving: self.moving,
+        }
+    }
+}
+
+impl BoundaryEstimator for Cells<'_> {
+    fn moving(&self) -> Option<&Moving> {
+        Some(self.moving)
+    }
+
+    fn closes_lattice(&self) -> bool {
+        true
+    }
+
+    fn film(&self, film: &FilmTile, out: &mut Found) {
+        film::search::find(&self.scene(film.view), film, out);
+    }
+
+    fn light(&self, at: &At, draw: &LightDraw, out: &mut Found) {
+        light::find(&self.scene(at.view), at, draw, out);
+    }
+
+    fn environment(&self, at: &At, out: &mut Found) {
+        environment::map::find(&self.scene(at.view), at, out);
+    }
+
+    fn lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
+        lobe::packet::find(&self.scene(at.view), at, bounce, out);
+    }
+}

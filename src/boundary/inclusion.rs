@@ -1,0 +1,240 @@
+//! How likely a border on a line is to be found.
+//!
+//! Points are put on a line at equal distances, shifted together by one random number, and what lies between two neighbours
+//! is searched for. Between the borders that are known afterwards lie *runs*, in each of which one thing is seen. A border is
+//! found by a pair of neighbours on either side of it, but not by all such pairs: where the points fall before and behind
+//! something thin they see the same, and neither of its borders is found. What is found is weighed by one over the
+//! probability of that,
+//!
+//!   P(border) = Σ over runs j before and k after it of |(R_j + 1) ∩ R_k| · [a search between points in R_j and R_k finds it],
+//!
+//! lengths being in distances of points. The sum of all the lengths is 1, so a border between two long runs has P = 1 without
+//! any search. Beyond the first and the last border the line is taken to go on for ever: its two ends are points, too.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Chances below this are taken for it: it bounds the weight of one border.
+const SMALLEST_CHANCE: f64 = 1e-3;
+/// Chances nearer to one than this are one.
+const ROUNDING: f64 = 1e-9;
+
+/// What a search between a point in one run and a point in another comes to.
+#[derive(Clone, Debug, Default)]
+pub struct Reach {
+    pub borders: BTreeSet<usize>,
+    /// Runs within which it looked at what is seen.
+    pub runs: BTreeSet<usize>,
+}
+
+/// The runs of a line. Number r lies before border r.
+pub struct Runs {
+    /// Of the borders, increasing, in distances of points.
+    pub places: Vec<f64>,
+    /// The chance that one more point, drawn independently of all others, falls in each run.
+    pub extra: Vec<f64>,
+}
+
+/// Searches by the runs between which they were made.
+pub type Known = BTreeMap<[usize; 2], Reach>;
+
+impl Runs {
+    /// With another point that falls before each border with these chances.
+    pub fn with_extra(places: Vec<f64>, before: impl Iterator<Item = f64>) -> Self {
+        let mut extra: Vec<f64> = before.chain([1.0]).collect();
+        for run in (1..extra.len()).rev() {
+            extra[run] -= extra[run - 1];
+        }
+        Self { places, extra }
+    }
+
+    /// Without another point.
+    pub fn new(places: Vec<f64>) -> Self {
+        let extra = vec![0.0; places.len() + 1];
+        Self { places, extra }
+    }
+
+    fn ends(&self, run: usize) -> [f64; 2] {
+        let before = run.checked_sub(1).map(|b| self.places[b]);
+        let after = self.places.get(run).copied();
+        [
+            before.unwrap_or(f64::NEG_INFINITY),
+            after.unwrap_or(f64::INFINITY),
+        ]
+    }
+
+    /// |(R_j + 1) ∩ R_k|
+    fn overlap(&self, [j, k]: [usize; 2]) -> f64 {
+        let ([from, to], [low, high]) = (self.ends(j), self.ends(k));
+        ((to + 1.0).min(high) - (from + 1.0).max(low)).max(0.0)
+    }
+
+    /// Pairs of runs, one before or equal to `first` and the other after or equal to `last`, between which there are neighbours.
+    fn pairs_around(&self, [first, last]: [usize; 2]) -> Vec<([usize; 2], f64)> {
+        let mut pairs = Vec::new();
+        for j in (0..=first).rev() {
+            let reach = self.ends(j)[1] + 1.0;
+            if reach <= self.ends(last)[0] {
+                break;
+            }
+            for k in last..=self.places.len() {
+                if self.ends(k)[0] >= reach {
+                    break;
+                }
+                let overlap = self.overlap([j, k]);
+                if overlap > 0.0 {
+                    pairs.push(([j, k], overlap));
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Whether the runs on either side of a border are long.
+    pub fn is_always_found(&self, border: usize) -> bool {
+        self.overlap([border, border + 1]) >= 1.0 - ROUNDING
+    }
+
+    /// The probability of finding a border. `search` is asked what is found between two runs that are not neighbours.
+    pub fn chance_of_border(
+        &self,
+        border: usize,
+        known: &mut Known,
+        search: &mut impl FnMut([usize; 2]) -> Reach,
+    ) -> f64 {
+        let mut finds = |pair: [usize; 2]| -> bool {
+            pair[1] == pair[0] + 1
+                || known
+                    .entry(pair)
+                    .or_insert_with(|| search(pair))
+                    .borders
+                    .contains(&border)
+        };
+        if self.is_always_found(border) {
+            return 1.0;
+        }
+        let mut chance = 0.0;
+        for ([j, k], overlap) in self.pairs_around([border, border + 1]) {
+            let mut without = 1.0;
+            for between in j + 1..k {
+                let extra = self.extra[between];
+                if extra == 0.0 {
+                    continue;
+                }
+                without -= extra;
+                let part = if between <= border {
+                    [between, k]
+                } else {
+                    [j, between]
+                };
+                chance += overlap * extra * finds(part) as u32 as f64;
+            }
+            chance += overlap * without * finds([j, k]) as u32 as f64;
+        }
+        chance.clamp(SMALLEST_CHANCE, 1.0)
+    }
+
+    /// One over the probability of finding each border of a line on which is seen only whether a light is hidden, as it is not
+    /// before the first border if `begins_open`. A search between what is hidden and what is not finds the border next to the
+    /// first (`crate::boundary::occlusion`).
+    pub fn weights_of_shadows(&self, begins_open: bool) -> Vec<f64> {
+        let is_open = |run: usize| begins_open == run.is_multiple_of(2);
+        let mut search = |[j, k]: [usize; 2]| {
+            let mut reach = Reach::default();
+            match [is_open(j), is_open(k)] {
+                [false, true] => reach.borders.insert(j),
+                [true, false] => reach.borders.insert(k - 1),
+                _ => false,
+            };
+            reach
+        };
+        let mut known = Known::new();
+        (0..self.places.len())
+            .map(|border| 1.0 / self.chance_of_border(border, &mut known, &mut search))
+            .collect()
+    }
+
+    /// The probability that a search looks at what is seen within a run.
+    pub fn chance_of_run(
+        &self,
+        run: usize,
+        known: &mut Known,
+        search: &mut impl FnMut([usize; 2]) -> Reach,
+    ) -> f64 {
+        let [from, to] = self.ends(run);
+        let met = to - from;
+        if met >= 1.0 - ROUNDING {
+            return 1.0;
+        }
+        let mut chance = met;
+        for (pair, overlap) in self.pairs_around([run - 1, run + 1]) {
+            let reach = known.entry(pair).or_insert_with(|| search(pair));
+            if reach.runs.contains(&run) {
+                chance += overlap;
+            }
+        }
+        let extra = self.extra[run];
+        (chance + (1.0 - chance) * extra).clamp(SMALLEST_CHANCE, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The chances are those that are counted over all shifts of the points, with one more point or without.
+    #[test]
+    fn chances_are_those_of_counting() {
+        const SHIFTS: usize = 2_000;
+        const POINTS: i32 = 6;
+        let places = vec![0.3, 0.5, 0.55, 1.4, 1.5, 4.0];
+        let borders = places.len();
+        let middles = |count: usize| (0..count).map(move |i| (i as f64 + 0.5) / count as f64);
+        for with_extra in [false, true] {
+            let mut extra = vec![0.0; borders + 1];
+            if with_extra {
+                // Uniform from 0.2 to 1.8.
+                let below = |p: f64| ((p - 0.2) / 1.6).clamp(0.0, 1.0);
+                let cut: Vec<f64> = places.iter().map(|&p| below(p)).collect();
+                extra[..borders].copy_from_slice(&cut);
+                extra[borders] = 1.0;
+                (0..borders).for_each(|b| extra[b + 1] -= cut[b]);
+            }
+            let runs = Runs {
+                places: places.clone(),
+                extra,
+            };
+            let run_of = |place: f64| runs.places.partition_point(|&p| p < place);
+            let extras: Vec<Option<f64>> = if with_extra {
+                middles(800).map(|p| Some(0.2 + 1.6 * p)).collect()
+            } else {
+                vec![None]
+            };
+            let mut counted = vec![0usize; borders];
+            for shift in middles(SHIFTS) {
+                for extra in &extras {
+                    let points = (-2..POINTS).map(|p| p as f64 + shift);
+                    let mut points: Vec<f64> = points.chain(*extra).collect();
+                    points.sort_by(f64::total_cmp);
+                    for pair in points.windows(2) {
+                        let [j, k] = [pair[0], pair[1]].map(run_of);
+                        // Runs of even numbers are open.
+                        match [j % 2, k % 2] {
+                            [1, 0] => counted[j] += 1,
+                            [0, 1] => counted[k - 1] += 1,
+                            _ => {}
+                        }
+                    }
+                }
+            }
+            let trials = (SHIFTS * extras.len()) as f64;
+            for (weight, count) in runs.weights_of_shadows(true).into_iter().zip(counted) {
+                let expected = count as f64 / trials;
+                assert!(
+                    (1.0 / weight - expected).abs() < 4.0 / SHIFTS as f64,
+                    "{} for {expected}, {with_extra}",
+                    1.0 / weight
+                );
+            }
+        }
+    }
+}

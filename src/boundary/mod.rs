@@ -1,0 +1,9 @@
+//! Estimators of what jumps: the boundary terms of the gradient.
+
+pub mod cells;
+pub mod inclusion;
+pub mod inclusion_by_walks;
+pub mod occlusion;
+pub mod probe;
+pub mod reciprocal;
+pub mod search_scene;

@@ -1,0 +1,172 @@
+//! From an occluded ray to the silhouette behind which it would be free.
+
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::arc::Arc;
+use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::crossing::{Crossing, Kind, Reservoir};
+use crate::discontinuity::walk::{Walk, walk};
+use crate::paths::at::At;
+use crate::paths::counts::Counts;
+use crate::paths::rays::{OFFSET, lane_of};
+use crate::paths::scene_view::SceneView;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use glam::{DVec3, Vec3};
+
+/// How far beyond a silhouette probes look at most, as a fraction of the cell.
+pub const PROBE: f64 = 1e-3;
+/// The nearest that they may look, in coordinates: some 30 units in the last place.
+pub const NEAREST: f64 = 2e-6;
+/// Occluders behind one another that are followed before a cell is given up.
+const MAX_OCCLUDERS: usize = 64;
+
+/// From acute edges of bodies with shading normals they keep this many times the distance from surfaces at which rays start, but not more than
+/// this fraction. Shading normals send rays into a body, and where that is a thin wedge what starts near its edge starts on its other
+/// side and gets out.
+const CLEAR: f64 = 10.0;
+pub const MOST_PROBE: f64 = 0.1;
+
+/// How far beside a crossing probes look: an angle as seen from `origin`, and the fraction of the cell that it must not exceed. What
+/// the radiance changes by over that distance is taken for a part of its jump, so it is as small as it can be.
+pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [f64; 2] {
+    let Boundary::Edge([v, w]) = crossing.boundary else {
+        return [f64::INFINITY, PROBE];
+    };
+    let [v, w] = [v, w].map(|v| geometry.positions[v as usize].as_dvec3());
+    let point = v.midpoint(w);
+    if crossing.kind == Kind::ThinSilhouette {
+        let room = point.abs().max_element() + 1.0;
+        let angle = CLEAR * f64::from(OFFSET) * room / point.distance(origin);
+        [angle, MOST_PROBE]
+    } else {
+        [nearest_angle(point, origin), PROBE]
+    }
+}
+
+/// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart that end near `point`.
+pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
+    let distance = point.distance(origin);
+    let room = point.abs().max_element() + 1.0;
+    NEAREST * (room + distance) / distance
+}
+
+/// A point of a surface from which rays leave.
+pub struct SurfacePoint {
+    pub x: Vec3,
+    pub geometric: Vec3,
+    /// The triangle it lies on.
+    pub triangle: u32,
+}
+
+/// Where an occluder ends.
+pub struct OccluderEnd {
+    pub edge: [u32; 2],
+    /// Where on the edge; `None` at the surface's own horizon, for which an edge of its triangle stands.
+    pub along: Option<f64>,
+    /// Coordinate of the crossing.
+    pub at: f64,
+}
+
+impl SurfacePoint {
+    pub fn of_lane(at: &At, lane: usize) -> Self {
+        Self {
+            x: lane_of(at.surface.x, lane),
+            geometric: lane_of(at.surface.geometric, lane),
+            triangle: at.vertices.triangle[lane],
+        }
+    }
+
+    /// The edge of its own triangle that spans the plane with it best.
+    pub fn plane_edge(&self, view: &SceneView) -> [u32; 2] {
+        let [a, b, c] = view.geometry.triangles[self.triangle as usize];
+        let area = |&[v, w]: &[u32; 2]| {
+            let [v, w] = [v, w].map(|v| view.geometry.positions[v as usize] - self.x);
+            v.cross(w).length()
+        };
+        let edges = [[a, b], [b, c], [c, a]];
+        edges
+            .into_iter()
+            .max_by(|p, q| area(p).total_cmp(&area(q)))
+            .unwrap_or([a, b])
+    }
+
+    /// Where rays toward `d` start: as `rays::leave`. Walks that look for what these rays met start there too, or the
+    /// ends of what is near would seem to lie elsewhere.
+    pub fn leave(&self, d: DVec3) -> Vec3 {
+        let side = d.as_vec3().dot(self.geometric).signum();
+        let step = (self.x.abs().max_element() + 1.0) * OFFSET * side;
+        self.x + self.geometric * step
+    }
+
+    /// The first triangle on the way along `d`, of `far` times its length.
+    pub fn first_hit(&self, view: &SceneView, d: DVec3, far: f32) -> u32 {
+        view.first_hit(self.leave(d), d.as_vec3(), 0.0, far)
+    }
+}
+
+/// Walks from the occluder that stands in the direction of coordinate 0 toward the free direction of coordinate 1; where
+/// another occluder stands behind the silhouette, on along that one. Returns the last silhouette. `direction` is
+/// linear in the coordinate up to its length.
+pub fn follow_occluders(
+    scene: &SearchScene,
+    point: &SurfacePoint,
+    direction: &impl Fn(f64) -> DVec3,
+    far: f32,
+    counts: &mut Counts,
+) -> Option<OccluderEnd> {
+    let SearchScene {
+        view, adjacency, ..
+    } = *scene;
+    let mut at = 0.0;
+    let is_free = |at: f64, counts: &mut Counts| {
+        at >= 1.0 || {
+            counts.probe += 1;
+            point.first_hit(view, direction(at), far) == NO_TRIANGLE
+        }
+    };
+    // A shading normal's horizon may reach below that of the triangle, whose own plane is then what hides.
+    let height = |at: f64| point.geometric.as_dvec3().dot(direction(at));
+    let (low, high) = (height(0.0), height(1.0));
+    if low * high < 0.0 {
+        let crossing = low / (low - high);
+        at = crossing + PROBE;
+        if is_free(at, counts) {
+            return Some(OccluderEnd {
+                edge: point.plane_edge(view),
+                along: None,
+                at: crossing,
+            });
+        }
+    }
+    for _ in 0..MAX_OCCLUDERS {
+        counts.probe += 1;
+        let triangle = point.first_hit(view, direction(at), far);
+        if triangle == NO_TRIANGLE {
+            return None;
+        }
+        let arc = Arc {
+            origin: point.leave(direction(at)).as_dvec3(),
+            a: direction(at),
+            b: direction(1.0),
+        };
+        let Walk::Fold(fold) = walk(
+            view.geometry,
+            adjacency,
+            &arc,
+            [triangle, NO_TRIANGLE],
+            1.0,
+            &mut Reservoir::closed(),
+        ) else {
+            return None;
+        };
+        let crossing = at + fold.s.max(0.0) * (1.0 - at);
+        at = crossing + PROBE;
+        if is_free(at, counts) {
+            return Some(OccluderEnd {
+                edge: fold.edge,
+                along: Some(fold.along),
+                at: crossing,
+            });
+        }
+    }
+    None
+}

@@ -1,0 +1,9 @@
+//! The geometry of jumps: where visibility changes, how one boundary is found, and how fast it moves.
+
+pub mod adjacency;
+pub mod arc;
+pub mod between;
+pub mod boundary;
+pub mod crossing;
+pub mod texture_edges;
+pub mod walk;

@@ -1,0 +1,95 @@
+//! Edges that are only painted: where a picture jumps within a triangle, or between two whose texture coordinates do not
+//! continue each other.
+//!
+//! Seen from o along d, the barycentrics of a triangle's point are as wᵢ = d·(pⱼ × pₖ): linear in d up to their sum. A coordinate
+//! g of the picture is Σwᵢgᵢ/Σwᵢ, so g = k is Σwᵢ(gᵢ − k) = 0: on an arc of directions that are linear in s it has one
+//! solution, and over all directions it is the plane through o and a straight line on the triangle, as for an edge.
+
+use crate::discontinuity::adjacency::Across;
+use crate::discontinuity::arc::Arc;
+use crate::discontinuity::boundary::Boundary;
+use crate::trace::geometry::Geometry;
+use glam::DVec3;
+
+/// Lines of one coordinate in one cell and one triangle that are looked at: beyond that the picture is a blur.
+const MOST_LINES: usize = 4096;
+
+/// The painted lines that an arc crosses on a triangle between two of its parameters, in order. `points`: its vertices as
+/// seen from the arc's origin.
+pub fn lines(
+    geometry: &Geometry,
+    triangle: u32,
+    points: [DVec3; 3],
+    arc: &Arc,
+    [from, to]: [f64; 2],
+) -> Vec<(Boundary, f64)> {
+    let mut found = Vec::new();
+    let Some(pattern) = geometry.pattern(triangle) else {
+        return found;
+    };
+    if pattern.rulings.is_empty() || from >= to {
+        return found;
+    }
+    let corners = geometry.triangles[triangle as usize];
+    let uv = corners.map(|v| geometry.uvs[v as usize].as_dvec2().extend(1.0));
+    let [p, q, r] = points;
+    let weights = [q.cross(r), r.cross(p), p.cross(q)];
+    let ends = [from, to].map(|s| DVec3::from(weights.map(|w| w.dot(arc.direction(s)))));
+    for ruling in &pattern.rulings {
+        let g = DVec3::from(uv.map(|uv| ruling.dot(uv)));
+        let [a, b] = ends.map(|w| w.dot(g) / w.element_sum());
+        if !(a.is_finite() && b.is_finite()) {
+            continue;
+        }
+        let (first, last) = (a.min(b).floor() + 1.0, a.max(b).ceil() - 1.0);
+        let mut k = first;
+        for _ in 0..MOST_LINES {
+            if k > last {
+                break;
+            }
+            let height = g - k;
+            let [low, high] = ends.map(|w| w.dot(height));
+            let s = from + (to - from) * low / (low - high);
+            if let (true, Some(ends)) = (s.is_finite(), across_triangle(height)) {
+                let triangle = corners;
+                found.push((Boundary::Ink { triangle, ends }, s.clamp(from, to)));
+            }
+            k += 1.0;
+        }
+    }
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    found
+}
+
+/// Where the line on which `height`, given at the corners, is zero enters and leaves the triangle: barycentrics of the second and
+/// third corner.
+fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
+    const CORNERS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let mut ends = (0..3).filter_map(|i| {
+        let j = (i + 1) % 3;
+        let (a, b) = (height[i], height[j]);
+        ((a >= 0.0) != (b >= 0.0)).then(|| {
+            let t = a / (a - b);
+            [0, 1].map(|c| CORNERS[i][c] * (1.0 - t) + CORNERS[j][c] * t)
+        })
+    });
+    Some([ends.next()?, ends.next()?])
+}
+
+/// Whether texture coordinates jump across the edge that starts at `corner` of a triangle with pictures on it.
+pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
+    if geometry.pattern(triangle).is_none() {
+        return false;
+    }
+    let edge = |triangle: u32, corner: usize| {
+        let vertices = geometry.triangles[triangle as usize];
+        [vertices[corner], vertices[(corner + 1) % 3]].map(|v| geometry.uvs[v as usize])
+    };
+    let [a, b] = edge(triangle, corner);
+    let [c, d] = edge(across.triangle, across.corner);
+    if across.flipped {
+        [a, b] != [c, d]
+    } else {
+        [a, b] != [d, c]
+    }
+}

@@ -1,0 +1,221 @@
+//! The backward sweep over boundary samples: from what moving boundaries bring to everything that moves them.
+
+use crate::adjoint::camera::camera_direction_adjoint;
+use crate::adjoint::frame::direction_from_local_adjoint;
+use crate::adjoint::interface::interface_bounce_adjoint;
+use crate::discontinuity::boundary::{dvec3, vector};
+use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
+use crate::gradient::scene::backward::TileSums;
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{RoughTransmission, interface_bounce};
+use crate::lanes::{LANES, Lane, V3};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::store::TileStore;
+use crate::paths::surface::materials::interface_of_lane;
+use crate::scene::Rgb;
+use glam::{DVec3, Vec3};
+
+/// Cotangents of one lane of a vertex.
+#[derive(Clone, Copy, Default)]
+struct LaneBars {
+    x: Vec3,
+    n: Vec3,
+    direction: Vec3,
+    eta: f32,
+}
+
+impl BackwardSweep<'_> {
+    /// The boundary samples of a vertex.
+    pub(crate) fn boundary(
+        &self,
+        store: &TileStore,
+        here: &Solved,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let samples = store.boundary(here.vertices);
+        if samples.is_empty() {
+            return;
+        }
+        let mut lanes = [LaneBars::default(); LANES];
+        for sample in samples {
+            let lane = sample.lane as usize;
+            let bar = side_bar(lane_of(radiance_bar, lane), sample);
+            let added = match sample.at {
+                Coordinate::Light { patch, at } => {
+                    self.on_light(sample, here, (patch, at), bar, sums)
+                }
+                Coordinate::Environment(d) => {
+                    self.on_environment(sample, here, d.into(), bar, sums)
+                }
+                Coordinate::Lobe(local) => self.on_lobe(sample, here, local, bar, sums),
+                Coordinate::Film(_) => LaneBars::default(),
+            };
+            let sum = &mut lanes[lane];
+            sum.x += added.x;
+            sum.n += added.n;
+            sum.direction += added.direction;
+            sum.eta += added.eta;
+        }
+        bars.x = bars.x + from_lanes(&lanes.map(|l| l.x));
+        bars.n = bars.n + from_lanes(&lanes.map(|l| l.n));
+        bars.direction = bars.direction + from_lanes(&lanes.map(|l| l.direction));
+        bars.interface.eta.x += Lane::new(lanes.map(|l| l.eta));
+    }
+
+    /// Cotangents of origin and direction from that of F; the vertices' are added.
+    fn side(
+        &self,
+        sample: &BoundarySample,
+        x: DVec3,
+        d: DVec3,
+        bar: f64,
+        sums: &mut TileSums,
+    ) -> (DVec3, DVec3) {
+        let scatter = |v, bar| self.scatter_vertex(v, bar, sums);
+        let geometry = self.view.geometry;
+        sample.boundary.side_adjoint(geometry, x, d, bar, scatter)
+    }
+
+    fn on_light(
+        &self,
+        sample: &BoundarySample,
+        here: &Solved,
+        (patch, at): (u32, [f64; 2]),
+        bar: f64,
+        sums: &mut TileSums,
+    ) -> LaneBars {
+        let x = lane_of(here.x, sample.lane as usize).as_dvec3();
+        let geometry = self.view.geometry;
+        let [s, r] = at.map(|x| x as f32);
+        let (ids, [b1, b2]) = self.view.lights.patches[patch as usize].vertices_at(s, r);
+        let b = [1.0 - b1 as f64 - b2 as f64, b1 as f64, b2 as f64];
+        let y: DVec3 = ids
+            .iter()
+            .zip(b)
+            .map(|(&v, b)| geometry.positions[v as usize].as_dvec3() * b)
+            .sum();
+        let (o_bar, d_bar) = self.side(sample, x, y - x, bar, sums);
+        for (&v, b) in ids.iter().zip(b) {
+            self.scatter_vertex(v, d_bar * b, sums);
+        }
+        LaneBars {
+            x: sums.admitted(o_bar - d_bar).as_vec3(),
+            ..LaneBars::default()
+        }
+    }
+
+    fn on_environment(
+        &self,
+        sample: &BoundarySample,
+        here: &Solved,
+        d: DVec3,
+        bar: f64,
+        sums: &mut TileSums,
+    ) -> LaneBars {
+        let x = lane_of(here.x, sample.lane as usize).as_dvec3();
+        let (o_bar, d_bar) = self.side(sample, x, d, bar, sums);
+        // The direction turns with the map by ω × d.
+        let turn = d.cross(d_bar);
+        if self.wanted.environment {
+            let turn = sums.admitted(turn);
+            sums.add_environment(turn, 0.0);
+        }
+        LaneBars {
+            x: sums.admitted(o_bar).as_vec3(),
+            ..LaneBars::default()
+        }
+    }
+
+    fn on_lobe(
+        &self,
+        sample: &BoundarySample,
+        here: &Solved,
+        [lx, ly, lz]: [f64; 3],
+        bar: f64,
+        sums: &mut TileSums,
+    ) -> LaneBars {
+        let lane = sample.lane as usize;
+        let x = lane_of(here.x, lane).as_dvec3();
+        let n = vector(lane_of(here.n, lane).as_dvec3());
+        let vertices = here.vertices;
+        let bit = |bits: u32| bits >> lane & 1 == 1;
+        let interface = match &here.interface {
+            Some(s) if !bit(vertices.lobes.diffuse) => interface_of_lane(s, lane),
+            _ => {
+                let d = dvec3(direction_from_local(n, lx, ly, lz));
+                let (o_bar, d_bar) = self.side(sample, x, d, bar, sums);
+                let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
+                return LaneBars {
+                    x: sums.admitted(o_bar).as_vec3(),
+                    n: sums.admitted(dvec3(n_bar)).as_vec3(),
+                    ..LaneBars::default()
+                };
+            }
+        };
+        let arriving = vector(lane_of(vertices.direction, lane).as_dvec3());
+        let none = RoughTransmission::none();
+        let kinds = &vertices.kinds;
+        let (reflected, refracted) = (bit(vertices.lobes.reflected), bit(vertices.lobes.refracted));
+        let (conductor, plastic) = (bit(kinds.conductor), bit(kinds.plastic));
+        let (smooth, ggx) = (bit(kinds.smooth), bit(kinds.ggx));
+        let (nonlinear, entering) = (bit(kinds.nonlinear), !bit(kinds.inside));
+        let (d, _) = interface_bounce(
+            n, arriving, lx, ly, lz, interface, none, false, reflected, refracted, conductor,
+            plastic, smooth, ggx, nonlinear, entering,
+        );
+        let (o_bar, d_bar) = self.side(sample, x, dvec3(d), bar, sums);
+        let no_weight = V3::splat(0.0);
+        let (n_bar, direction_bar, _, _, _, s_bar, _) = interface_bounce_adjoint(
+            n,
+            arriving,
+            lx,
+            ly,
+            lz,
+            interface,
+            none,
+            false,
+            reflected,
+            refracted,
+            conductor,
+            plastic,
+            smooth,
+            ggx,
+            nonlinear,
+            entering,
+            (vector(d_bar), no_weight),
+        );
+        let eta = DVec3::new(s_bar.eta.x, 0.0, 0.0);
+        LaneBars {
+            x: sums.admitted(o_bar).as_vec3(),
+            n: sums.admitted(dvec3(n_bar)).as_vec3(),
+            direction: sums.admitted(dvec3(direction_bar)).as_vec3(),
+            eta: sums.admitted(eta).x as f32,
+        }
+    }
+
+    /// A boundary sample of the film, with the cotangent of what it adds at its place.
+    pub fn add_film_boundary(&self, sample: &BoundarySample, bar: Rgb, sums: &mut TileSums) {
+        let Coordinate::Film([u, v]) = sample.at else {
+            return;
+        };
+        let camera = &self.view.camera;
+        let bar = side_bar(bar.into(), sample);
+        let d = dvec3(camera.direction(u, v));
+        let (o_bar, d_bar) = self.side(sample, camera.origin.as_dvec3(), d, bar, sums);
+        if self.wanted.camera && sums.admits(o_bar.is_finite() && d_bar.is_finite()) {
+            let (px, py) = camera.film_to_camera(u, v);
+            let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
+            let (x, y, z, tan, _, _) =
+                camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
+            sums.add_camera(o_bar, [x, y, z].map(dvec3), tan);
+        }
+    }
+}
+
+/// The cotangent of F from that of what the sample brings.
+fn side_bar(bar: Vec3, sample: &BoundarySample) -> f64 {
+    bar.as_dvec3().dot(Vec3::from(sample.weight).as_dvec3())
+}

@@ -1,0 +1,107 @@
+//! The forward sweep over boundary samples: what moving boundaries bring.
+
+use crate::gradient::path::forward::{ForwardSweep, MovingVertex, dual_lane, dual_number};
+use crate::gradient::scene::forward::dual_vector;
+use crate::kernels::camera::camera_direction;
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{Interface, RoughTransmission, interface_bounce};
+use crate::lanes::{Dual, Real, V3};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::scene::Rgb;
+use glam::Vec3;
+
+type D = Dual<f64>;
+
+impl ForwardSweep<'_> {
+    /// What a boundary sample of a vertex brings: its weight times Ḟ.
+    pub(crate) fn boundary(&self, sample: &BoundarySample, here: &MovingVertex) -> Rgb {
+        let lane = sample.lane as usize;
+        let x = dual_lane(here.x, lane);
+        let direction = match sample.at {
+            Coordinate::Light { patch, at } => self.light_point(patch, at) - x,
+            Coordinate::Environment(d) => {
+                let along = Vec3::from(d.map(|x| x as f32));
+                let turning = self.motion.environment.rotation.cross(along);
+                let [x, y, z] = d;
+                dual_vector(
+                    V3::new(x, y, z),
+                    V3::new(turning.x as f64, turning.y as f64, turning.z as f64),
+                )
+            }
+            Coordinate::Lobe(local) => self.direction_at(here, lane, local),
+            Coordinate::Film(_) => return [0.0; 3],
+        };
+        self.weighed(sample, x, direction)
+    }
+
+    /// What a boundary sample of the film adds where it is, in radiance times pixels.
+    pub fn film_boundary(&self, sample: &BoundarySample) -> Rgb {
+        let Coordinate::Film(at) = sample.at else {
+            return [0.0; 3];
+        };
+        let camera = &self.camera_f64;
+        let [u, v] = at.map(D::splat);
+        let (px, py) = self.view.camera.film_to_camera(u, v);
+        let [x, y, z] = camera.axes;
+        let d = camera_direction(x, y, z, camera.tan_half_x_fov, px, py);
+        self.weighed(sample, camera.origin, d)
+    }
+
+    /// The weight times Ḟ, seen from `x` along `direction`.
+    fn weighed(&self, sample: &BoundarySample, x: V3<D>, direction: V3<D>) -> Rgb {
+        let point = |v| self.motion.point(self.view.geometry, v);
+        let side = sample.boundary.side(x, direction, point);
+        sample.weight.map(|w| (w as f64 * side.tangent) as f32)
+    }
+
+    /// A point of a light's patch.
+    fn light_point(&self, patch: u32, at: [f64; 2]) -> V3<D> {
+        let [s, r] = at.map(|x| x as f32);
+        let (ids, b) = self.view.lights.patches[patch as usize].vertices_at(s, r);
+        let [q0, q1, q2] = ids.map(|v| self.motion.point(self.view.geometry, v));
+        let [b1, b2] = b.map(|b| D::splat(b as f64));
+        q0 + (q1 - q0) * b1 + (q2 - q0) * b2
+    }
+
+    /// The direction of a lane's lobe at a fixed coordinate.
+    fn direction_at(&self, here: &MovingVertex, lane: usize, local: [f64; 3]) -> V3<D> {
+        let n = dual_lane(here.n, lane);
+        let [lx, ly, lz] = local.map(D::splat);
+        let vertices = here.vertices;
+        let bit = |bits: u32| bits >> lane & 1 == 1;
+        let lobes = &vertices.lobes;
+        let Some(s) = &here.interface else {
+            return direction_from_local(n, lx, ly, lz);
+        };
+        if bit(lobes.diffuse) {
+            return direction_from_local(n, lx, ly, lz);
+        }
+        let interface = Interface {
+            colour: dual_lane(s.colour, lane),
+            second: dual_lane(s.second, lane),
+            eta: dual_lane(s.eta, lane),
+            k: dual_lane(s.k, lane),
+            alpha: dual_number(s.alpha, lane),
+        };
+        let kinds = &vertices.kinds;
+        let (direction, _) = interface_bounce(
+            n,
+            dual_lane(here.direction, lane),
+            lx,
+            ly,
+            lz,
+            interface,
+            RoughTransmission::none(),
+            false,
+            bit(lobes.reflected),
+            bit(lobes.refracted),
+            bit(kinds.conductor),
+            bit(kinds.plastic),
+            bit(kinds.smooth),
+            bit(kinds.ggx),
+            bit(kinds.nonlinear),
+            !bit(kinds.inside),
+        );
+        direction
+    }
+}

@@ -1,0 +1,4 @@
+//! What moving boundaries bring.
+
+mod backward;
+mod forward;

@@ -1,0 +1,160 @@
+//! The adjoint sweep over lights without an extent.
+
+use crate::adjoint::interface::glass_toward_adjoint;
+use crate::adjoint::light::{
+    direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
+};
+use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
+use crate::gradient::scene::backward::TileSums;
+use crate::kernels::interface::glass_toward;
+use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
+use crate::lanes::{Lane, V3};
+use crate::paths::light::delta::toward;
+use crate::paths::rays::{lane_mask, masked, splat};
+use crate::paths::store::TileStore;
+use crate::paths::surface::materials::LightKind;
+use crate::scene::{DeltaLight, DeltaLightKind};
+use glam::Vec3;
+
+impl BackwardSweep<'_> {
+    pub(crate) fn delta_lights(
+        &self,
+        store: &TileStore,
+        here: &Solved,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let scene = self.view.scene;
+        let seen = store.delta_visible(here.vertices);
+        let glass = here.vertices.kinds.rough_glass();
+        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
+            for (bits, is_glass) in [(seen & !glass, false), (seen & glass, true)] {
+                if bits == 0 {
+                    continue;
+                }
+                let bar = masked(bits, radiance_bar);
+                let moved = if is_glass {
+                    self.through_glass(light, here, bits, bar, bars, sums)
+                } else {
+                    self.onto_surfaces(light, here, bits, bar, bars, sums)
+                };
+                let moved = sums.over_lanes(moved, bits);
+                sums.delta_lights[i] += moved;
+            }
+        }
+    }
+
+    /// What a light brings to surfaces in the lanes of `bits`; returns the cotangent of its position.
+    fn onto_surfaces(
+        &self,
+        light: &DeltaLight,
+        here: &Solved,
+        bits: u32,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) -> V3<Lane> {
+        let (w, _) = toward(light, here.x);
+        let irradiance = match light.kind {
+            DeltaLightKind::Point { position } => point_irradiance(here.x, here.n, splat(position)),
+            DeltaLightKind::Directional { .. } => direction_irradiance(here.n, w),
+        };
+        let power = splat(Vec3::from(self.view.scene.constant(light.power)));
+        let value = self.value_toward(here, w, LightKind::Delta);
+        let path = radiance_bar.times(here.vertices.throughput);
+        self.power(
+            light,
+            bits,
+            radiance_bar,
+            value * irradiance,
+            bars,
+            here,
+            sums,
+        );
+        let value_bar = path.times(power) * irradiance;
+        let w_bar = self.value_adjoint(here, w, LightKind::Delta, bits, value_bar, bars);
+        let all = path.times(value).times(power);
+        let irradiance_bar = all.x + all.y + all.z;
+        match light.kind {
+            DeltaLightKind::Point { position } => {
+                let p = splat(position);
+                let (x, n, p) = point_irradiance_adjoint(here.x, here.n, p, irradiance_bar);
+                bars.x = bars.x + masked(bits, x - w_bar);
+                bars.n = bars.n + masked(bits, n);
+                masked(bits, p + w_bar)
+            }
+            DeltaLightKind::Directional { .. } => {
+                let (n, _) = direction_irradiance_adjoint(here.n, w, irradiance_bar);
+                bars.n = bars.n + masked(bits, n);
+                V3::splat(0.0)
+            }
+        }
+    }
+
+    /// What rough glass sends on of a light in the lanes of `bits`; returns the cotangent of the light's position.
+    fn through_glass(
+        &self,
+        light: &DeltaLight,
+        here: &Solved,
+        bits: u32,
+        radiance_bar: V3<Lane>,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) -> V3<Lane> {
+        let Some(interface) = here.interface else {
+            return V3::splat(0.0);
+        };
+        let (w, _) = toward(light, here.x);
+        let falloff = match light.kind {
+            DeltaLightKind::Point { position } => point_falloff(here.x, splat(position)),
+            DeltaLightKind::Directional { .. } => Lane::splat(1.0),
+        };
+        let m = here.vertices.kinds.masks();
+        let (n, direction, is_glass) = (here.n, here.vertices.direction, lane_mask(bits));
+        let sent = glass_toward(n, direction, w, interface, is_glass, m.ggx, m.entering);
+        self.power(light, bits, radiance_bar, sent * falloff, bars, here, sums);
+        let power = splat(Vec3::from(self.view.scene.constant(light.power)));
+        let arriving = radiance_bar.times(here.vertices.throughput).times(power);
+        let (n, direction, w_bar, s) = glass_toward_adjoint(
+            n,
+            direction,
+            w,
+            interface,
+            is_glass,
+            m.ggx,
+            m.entering,
+            masked(bits, arriving * falloff),
+        );
+        bars.n = bars.n + masked(bits, n);
+        bars.direction = bars.direction + masked(bits, direction);
+        bars.add_interface(bits, &s);
+        let DeltaLightKind::Point { position } = light.kind else {
+            return V3::splat(0.0);
+        };
+        let all = arriving.times(sent);
+        let (x, p) = point_falloff_adjoint(here.x, splat(position), all.x + all.y + all.z);
+        bars.x = bars.x + masked(bits, x - w_bar);
+        masked(bits, p + w_bar)
+    }
+
+    /// The cotangents of the light's power and of the path's weight; `brings` is what arrives per unit of power.
+    #[allow(clippy::too_many_arguments)] // Two kinds of surfaces share it.
+    fn power(
+        &self,
+        light: &DeltaLight,
+        bits: u32,
+        radiance_bar: V3<Lane>,
+        brings: V3<Lane>,
+        bars: &mut VertexBars,
+        here: &Solved,
+        sums: &mut TileSums,
+    ) {
+        let power = splat(Vec3::from(self.view.scene.constant(light.power)));
+        let own = radiance_bar.times(brings).times(power);
+        bars.throughput = bars.throughput + masked(bits, own);
+        let path = radiance_bar.times(here.vertices.throughput);
+        let power_bar = sums.over_lanes(path.times(brings), bits);
+        sums.add_texel(self.wanted, light.power, 0, power_bar.as_vec3());
+    }
+}

@@ -1,0 +1,55 @@
+//! The tangent sweep over lights without an extent.
+
+use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, constant};
+use crate::gradient::scene::forward::{dual_vector, tangent_of};
+use crate::kernels::interface::glass_toward;
+use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
+use crate::lanes::{Lane, V3};
+use crate::paths::rays::{lane_mask, masked, splat};
+use crate::paths::store::TileStore;
+use crate::paths::surface::materials::LightKind;
+use crate::scene::DeltaLightKind;
+use glam::Vec3;
+
+impl ForwardSweep<'_> {
+    pub(crate) fn delta_lights(&self, store: &TileStore, here: &MovingVertex) -> V3<Lane> {
+        let seen = store.delta_visible(here.vertices);
+        let mut sum = V3::splat(0.0);
+        let scene = self.view.scene;
+        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
+            if seen == 0 {
+                continue;
+            }
+            let still = |v: Vec3| dual_vector(splat(v), V3::splat(0.0));
+            let (w, irradiance, falloff) = match light.kind {
+                DeltaLightKind::Point { position } => {
+                    let p = dual_vector(splat(position), splat(self.motion.delta_lights[i]));
+                    let irradiance = point_irradiance(here.x, here.n, p);
+                    (p - here.x, irradiance, point_falloff(here.x, p))
+                }
+                DeltaLightKind::Directional { direction } => {
+                    let w = still(-direction);
+                    let one = constant(Lane::splat(1.0));
+                    (w, direction_irradiance(here.n, w), one)
+                }
+            };
+            let power = dual_vector(
+                splat(Vec3::from(scene.constant(light.power))),
+                splat(Vec3::from(self.motion.texel(light.power))),
+            );
+            let mut brings = self.value_toward(here, w, LightKind::Delta) * irradiance;
+            let glass = here.vertices.kinds.rough_glass();
+            if let (Some(interface), true) = (&here.interface, glass & seen != 0) {
+                let m = here.vertices.kinds.masks();
+                let (n, is_glass) = (here.n, lane_mask(glass));
+                let direction = here.direction;
+                let sent =
+                    glass_toward::<D>(n, direction, w, *interface, is_glass, m.ggx, m.entering);
+                brings = V3::select(is_glass, sent * falloff, brings);
+            }
+            let arrives = brings.times(power);
+            sum = sum + masked(seen, tangent_of(here.throughput.times(arrives)));
+        }
+        sum
+    }
+}

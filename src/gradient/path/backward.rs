@@ -1,0 +1,348 @@
+//! The adjoint sweep: from stored vertices, last to first, to the cotangents of everything that was asked for.
+//!
+//! No ray is traced. Each vertex is solved again from its stored ray, the generated adjoints of the kernels carry the
+//! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
+//! texel or the camera is added to the tile's sums.
+
+use crate::adjoint::camera::camera_direction_adjoint;
+use crate::adjoint::frame::direction_from_local_adjoint;
+use crate::adjoint::interface::interface_bounce_adjoint;
+use crate::gradient::scene::backward::{TileSums, Wanted};
+use crate::kernels::interface::{Interface, RoughTransmission};
+use crate::lanes::{LANES, Lane, Mask, Real, V3};
+use crate::paths::environment::map as sky;
+use crate::paths::rays::{lane_mask, lane_of, masked, splat};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::{TileStore, Vertices};
+use crate::paths::surface::materials::slot_values;
+use glam::Vec3;
+
+/// Runs adjoint sweeps over a tile's store.
+pub struct BackwardSweep<'a> {
+    pub view: &'a SceneView<'a>,
+    pub wanted: &'a Wanted,
+}
+
+/// A vertex as it was, with what its adjoints need.
+pub(crate) struct Solved<'a> {
+    pub vertices: &'a Vertices,
+    pub t: Lane,
+    pub b: [Lane; 2],
+    pub x: V3<Lane>,
+    /// Unit shading normal on the side the ray came from.
+    pub n: V3<Lane>,
+    /// The same before it was kept above the arriving ray's horizon.
+    pub raw_n: V3<Lane>,
+    /// Lanes whose normal was.
+    pub kept_above: u32,
+    pub ids: [[u32; 3]; LANES],
+    pub corners: [V3<Lane>; 3],
+    pub smooth: u32,
+    /// Given if any lane is more than diffuse.
+    pub interface: Option<Interface<Lane>>,
+}
+
+/// Cotangents of a vertex, as they are collected.
+pub(crate) struct VertexBars {
+    pub x: V3<Lane>,
+    pub n: V3<Lane>,
+    /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
+    pub direction: V3<Lane>,
+    pub throughput: V3<Lane>,
+    pub interface: Interface<Lane>,
+    /// Of the barycentrics.
+    pub b: [Lane; 2],
+}
+
+impl VertexBars {
+    fn zero() -> Self {
+        let (zero, none) = (Lane::splat(0.0), V3::splat(0.0));
+        Self {
+            x: none,
+            n: none,
+            direction: none,
+            throughput: none,
+            interface: Interface {
+                colour: none,
+                second: none,
+                eta: none,
+                k: none,
+                alpha: zero,
+            },
+            b: [zero; 2],
+        }
+    }
+
+    /// Adds the cotangents of an interface in the lanes of `bits`.
+    pub fn add_interface(&mut self, bits: u32, s: &Interface<Lane>) {
+        let zero = Lane::splat(0.0);
+        let sum = &mut self.interface;
+        sum.colour = sum.colour + masked(bits, s.colour);
+        sum.second = sum.second + masked(bits, s.second);
+        sum.eta = sum.eta + masked(bits, s.eta);
+        sum.k = sum.k + masked(bits, s.k);
+        sum.alpha += <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
+    }
+}
+
+/// What a vertex hands to the one before it: the cotangents of the ray between them and of the throughput, and those that
+/// emission found by the bounce has for the earlier vertex itself.
+pub(crate) struct Chain {
+    pub origin: V3<Lane>,
+    pub direction: V3<Lane>,
+    throughput: V3<Lane>,
+    earlier: VertexBars,
+}
+
+impl Chain {
+    fn zero() -> Self {
+        let zero = V3::splat(0.0);
+        Self {
+            origin: zero,
+            direction: zero,
+            throughput: zero,
+            earlier: VertexBars::zero(),
+        }
+    }
+}
+
+impl BackwardSweep<'_> {
+    /// Adds the gradient of Σ radiance_bar · radiance over the lanes of a packet, whose camera rays go through the
+    /// film points (`u`, `v`).
+    pub fn add_path(
+        &self,
+        store: &TileStore,
+        packet: usize,
+        [u, v]: [Lane; 2],
+        radiance_bar: V3<Lane>,
+        sums: &mut TileSums,
+    ) {
+        let path = store.path(packet);
+        let mut next: Option<Solved> = None;
+        let mut chain = Chain::zero();
+        for (k, vertices) in path.iter().enumerate().rev() {
+            let here = next.take().or_else(|| self.solve(vertices));
+            let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
+            let pair = (here.as_ref(), before.as_ref());
+            chain = self.vertex(store, vertices, pair, radiance_bar, chain, sums);
+            next = before;
+        }
+        if self.wanted.camera {
+            let bits = path[0].hit | path[0].escaped;
+            let camera = &self.view.camera;
+            let (px, py) = camera.film_to_camera(u, v);
+            let [x, y, z] = camera.axes.map(splat);
+            let tan = Lane::splat(camera.tan_half_x_fov as f32);
+            let (x, y, z, tan, _, _) =
+                camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
+            let origin = sums.over_lanes(chain.origin, bits);
+            let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
+            let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
+            sums.add_camera(origin, axes, tan);
+        }
+    }
+
+    /// What rough plastics let through toward directions at cosine `cos_out`.
+    pub(crate) fn transmission(&self, here: &Solved, cos_out: Lane) -> RoughTransmission<Lane> {
+        let cos_in = -(here.vertices.direction.normalize().dot(here.n));
+        self.view.materials.transmission(
+            self.view.scene,
+            self.view.geometry,
+            &here.vertices.triangle,
+            &here.vertices.kinds,
+            cos_in,
+            cos_out,
+        )
+    }
+
+    /// One vertex: `after` holds the cotangents that the next vertex handed back.
+    fn vertex(
+        &self,
+        store: &TileStore,
+        vertices: &Vertices,
+        (here, before): (Option<&Solved>, Option<&Solved>),
+        radiance_bar: V3<Lane>,
+        after: Chain,
+        sums: &mut TileSums,
+    ) -> Chain {
+        let mut back = Chain::zero();
+        if vertices.escaped != 0 {
+            self.escape(vertices, before, radiance_bar, &mut back, sums);
+        }
+        let Some(here) = here else { return back };
+        let mut bars = after.earlier;
+        self.bounce(
+            here,
+            [after.origin, after.direction, after.throughput],
+            &mut bars,
+        );
+        if !self.view.lights.is_empty() {
+            self.emission(
+                here,
+                before,
+                radiance_bar,
+                &mut bars,
+                &mut back.earlier,
+                sums,
+            );
+            self.light_sample(here, radiance_bar, &mut bars, sums);
+        }
+        if let Some(sample) = store.sky_sample(vertices) {
+            let lit = sample.weight.gt(Lane::splat(0.0)).to_bits();
+            let bar = masked(lit, radiance_bar);
+            let (direction, weight) = (sample.direction, sample.weight);
+            self.sky_brings(here, direction, weight, lit, bar, &mut bars, sums);
+        }
+        self.delta_lights(store, here, radiance_bar, &mut bars, sums);
+        self.boundary(store, here, radiance_bar, &mut bars, sums);
+        self.slots(here, &mut bars, sums);
+        back.throughput = back.throughput + masked(vertices.hit, bars.throughput);
+        if self.wanted.attached() {
+            self.surface(here, &bars, &mut back, sums);
+        }
+        back
+    }
+
+    /// Where paths leave the scene.
+    fn escape(
+        &self,
+        vertices: &Vertices,
+        before: Option<&Solved>,
+        radiance_bar: V3<Lane>,
+        back: &mut Chain,
+        sums: &mut TileSums,
+    ) {
+        let scene = self.view.scene;
+        let Some(environment) = &scene.environment else {
+            return;
+        };
+        let sampled = vertices.sampled & vertices.escaped;
+        if let (Some(from), true) = (before, sampled != 0) {
+            let bar = masked(sampled, radiance_bar);
+            let weight = vertices.emission_weight;
+            let earlier = &mut back.earlier;
+            self.sky_brings(
+                from,
+                vertices.direction,
+                weight,
+                sampled,
+                bar,
+                earlier,
+                sums,
+            );
+        }
+        let seen = vertices.escaped & !sampled;
+        let value = self
+            .view
+            .environment_radiance(environment, vertices.direction);
+        back.throughput = masked(seen, radiance_bar.times(value));
+        let value_bar = masked(seen, radiance_bar.times(vertices.throughput));
+        let texture = environment.radiance;
+        let Some(map) = &environment.map else {
+            let sum = sums.over_lanes(value_bar, seen);
+            sums.add_texel(self.wanted, texture, 0, sum.as_vec3());
+            return;
+        };
+        let mut direction_bar = [Vec3::ZERO; LANES];
+        for lane in (0..LANES).filter(|&l| seen >> l & 1 == 1) {
+            let bar = lane_of(value_bar, lane);
+            let d = lane_of(vertices.direction, lane);
+            let found = sky::lookup(&scene.textures[texture], map, d);
+            for (&texel, weight) in found.texels.iter().zip(found.weights) {
+                sums.add_texel(self.wanted, texture, texel, bar * weight);
+            }
+            let [u, v] = found.by_uv.map(|by| by.dot(bar));
+            let turn = found.by_direction[0] * u + found.by_direction[1] * v;
+            direction_bar[lane] = turn;
+            if self.wanted.environment && sums.admits(turn.is_finite() && bar.is_finite()) {
+                // The direction turns by −ω × d as the map sees it.
+                let scale = f64::from(found.value.dot(bar) / map.scale);
+                sums.add_environment(-d.cross(turn).as_dvec3(), scale);
+            }
+        }
+        if self.wanted.attached() {
+            back.direction = crate::paths::rays::from_lanes(&direction_bar);
+        }
+    }
+
+    /// The next ray and the next throughput, from their cotangents.
+    fn bounce(
+        &self,
+        here: &Solved,
+        [origin, direction, throughput]: [V3<Lane>; 3],
+        bars: &mut VertexBars,
+    ) {
+        let vertices = here.vertices;
+        let alive = vertices.survival.gt(Lane::splat(0.0));
+        if !alive.any() {
+            return;
+        }
+        let bits = alive.to_bits() & vertices.hit;
+        // T' = T·weight·survival.
+        let on = masked(bits, throughput * vertices.survival);
+        let weight_bar = on.times(vertices.throughput);
+        bars.throughput = bars.throughput + on.times(vertices.weight);
+        bars.x = bars.x + masked(bits, origin);
+        let direction = masked(bits, direction);
+        let [lx, ly, lz] = vertices.local;
+        let Some(interface) = &here.interface else {
+            bars.interface.colour = bars.interface.colour + weight_bar;
+            if self.wanted.attached() {
+                let (n, _, _, _) = direction_from_local_adjoint(here.n, lx, ly, lz, direction);
+                bars.n = bars.n + masked(bits, n);
+            }
+            return;
+        };
+        let m = vertices.kinds.masks();
+        let (n, arriving, _, _, _, s, _) = interface_bounce_adjoint(
+            here.n,
+            vertices.direction,
+            lx,
+            ly,
+            lz,
+            *interface,
+            self.transmission(here, lz),
+            lane_mask(vertices.lobes.diffuse),
+            lane_mask(vertices.lobes.reflected),
+            lane_mask(vertices.lobes.refracted),
+            m.conductor,
+            m.plastic,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+            m.entering,
+            (direction, weight_bar * vertices.inverse_density),
+        );
+        bars.n = bars.n + masked(bits, n);
+        bars.direction = bars.direction + masked(bits, arriving);
+        bars.add_interface(bits, &s);
+    }
+
+    /// From what surfaces are made of to texels, and to where on the surface that is.
+    fn slots(&self, here: &Solved, bars: &mut VertexBars, sums: &mut TileSums) {
+        let tracer = self.view;
+        let is_textured = tracer.materials.any_texture && self.wanted.attached();
+        if !self.wanted.colours() && !is_textured {
+            return;
+        }
+        let vertices = here.vertices;
+        let (b1, b2) = (here.b[0].to_array(), here.b[1].to_array());
+        let mut b_bar = bars.b.map(Lane::to_array);
+        let lanes = vertices.hit & !vertices.kinds.black;
+        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+            let slot_bars = slot_values(&bars.interface, lane);
+            let (scene, geometry) = (tracer.scene, tracer.geometry);
+            let (triangle, at) = (vertices.triangle[lane], [b1[lane], b2[lane]]);
+            tracer
+                .materials
+                .for_each_slot(scene, geometry, triangle, at, |s| {
+                    let bar = slot_bars[s.slot];
+                    sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
+                    for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
+                        sum[lane] += by.dot(bar);
+                    }
+                });
+        }
+        bars.b = b_bar.map(Lane::new);
+    }
+}

@@ -1,0 +1,314 @@
+//! The tangent sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
+
+use crate::gradient::scene::forward::{Motion, MovingCamera, dual_vector, tangent_of};
+use crate::kernels::camera::camera_direction;
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::interface::{
+    Interface, RoughTransmission, consistent_normal, interface_bounce, interface_value,
+};
+use crate::kernels::normal::{face_normal, shading_normal};
+use crate::kernels::triangle::triangle_hit;
+use crate::lanes::{Dual, Lane, Mask, Real, V3};
+use crate::paths::rays::{lane_mask, masked};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::{TileStore, Vertices};
+use crate::paths::surface::materials::LightKind;
+use crate::scene::Rgb;
+
+pub(crate) type D = Dual<Lane>;
+
+/// Runs tangent sweeps over a tile's store.
+pub struct ForwardSweep<'a> {
+    pub view: &'a SceneView<'a>,
+    pub motion: &'a Motion,
+    camera_lanes: MovingCamera<Lane>,
+    pub(crate) camera_f64: MovingCamera<f64>,
+}
+
+/// The state that one vertex hands to the next.
+pub(crate) struct Chain {
+    pub origin: V3<D>,
+    pub direction: V3<D>,
+    pub throughput: V3<D>,
+    /// Whether any lane's ray or throughput moves.
+    pub moves: bool,
+}
+
+impl Chain {
+    /// Keeps the tangents, and takes the values from the path that was stored: its rays start a little off the surfaces, which
+    /// matters where the next one is near.
+    fn follow(&mut self, vertices: &Vertices) {
+        self.origin = dual_vector(vertices.origin, tangent_of(self.origin));
+        self.direction = dual_vector(vertices.direction, tangent_of(self.direction));
+        self.throughput = dual_vector(vertices.throughput, tangent_of(self.throughput));
+    }
+}
+
+/// A vertex with everything about it moving.
+pub(crate) struct MovingVertex<'a> {
+    pub vertices: &'a Vertices,
+    pub x: V3<D>,
+    pub n: V3<D>,
+    pub corners: [V3<D>; 3],
+    pub b: [D; 2],
+    /// The ray that arrived, and the path's weight with it.
+    pub direction: V3<D>,
+    pub throughput: V3<D>,
+    pub colour: V3<D>,
+    /// Given if any lane is more than diffuse.
+    pub interface: Option<Interface<D>>,
+}
+
+impl<'a> ForwardSweep<'a> {
+    pub fn new(view: &'a SceneView<'a>, motion: &'a Motion) -> Self {
+        Self {
+            view,
+            motion,
+            camera_lanes: motion.camera(&view.camera),
+            camera_f64: motion.camera(&view.camera),
+        }
+    }
+
+    /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points (`u`, `v`).
+    pub fn radiance_tangent(&self, store: &TileStore, packet: usize, u: Lane, v: Lane) -> V3<Lane> {
+        let camera = &self.camera_lanes;
+        let (px, py) = self.view.camera.film_to_camera(constant(u), constant(v));
+        let [x, y, z] = camera.axes;
+        let mut chain = Chain {
+            origin: camera.origin,
+            direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
+            throughput: V3::splat(1.0),
+            moves: self.motion.camera.is_some(),
+        };
+        let mut sum = V3::splat(0.0);
+        let mut previous: Option<MovingVertex> = None;
+        for vertices in store.path(packet) {
+            let (contribution, here) = self.vertex(store, vertices, &mut chain, previous.as_ref());
+            sum = sum + contribution;
+            previous = here;
+        }
+        sum
+    }
+
+    /// One vertex's contribution to the tangent; moves the chain on.
+    fn vertex<'v>(
+        &self,
+        store: &TileStore,
+        vertices: &'v Vertices,
+        chain: &mut Chain,
+        previous: Option<&MovingVertex>,
+    ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
+        chain.follow(vertices);
+        let mut sum = V3::splat(0.0);
+        if vertices.escaped != 0 {
+            sum = masked(vertices.escaped, self.escape(vertices, chain, previous));
+        }
+        if vertices.hit == 0 {
+            return (sum, None);
+        }
+        chain.moves |= self
+            .motion
+            .moves_any(self.view.geometry, &vertices.triangle);
+        let here = self.moving_vertex(vertices, chain);
+        if !self.view.lights.is_empty() {
+            sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));
+            sum = sum + self.light_sample(&here);
+        }
+        if let Some(sample) = store.sky_sample(vertices) {
+            let lit = sample.weight.gt(Lane::splat(0.0));
+            if lit.any() {
+                let brings = self.sky_brings(&here, sample.direction, sample.weight);
+                sum = sum + V3::select(lit, brings, V3::splat(0.0));
+            }
+        }
+        sum = sum + self.delta_lights(store, &here);
+        for sample in store.boundary(vertices) {
+            sum = add_lane(sum, sample.lane, self.boundary(sample, &here));
+        }
+        let (direction, weight) = self.bounce(&here);
+        chain.origin = here.x;
+        chain.direction = direction;
+        chain.throughput = chain.throughput.times(weight) * constant(vertices.survival);
+        (sum, Some(here))
+    }
+
+    /// The ray's end, solved again with everything moving.
+    fn moving_vertex<'v>(&self, vertices: &'v Vertices, chain: &Chain) -> MovingVertex<'v> {
+        let geometry = self.view.geometry;
+        let ids = geometry.corners(&vertices.triangle);
+        let corners = self.motion.corners(geometry, &ids);
+        let [v0, v1, v2] = corners;
+        let (t, b1, b2) = triangle_hit(chain.origin, chain.direction, v0, v1, v2);
+        let mut n = face_normal(v0, v1, v2);
+        let smooth = self.view.smooth_lanes(&vertices.triangle);
+        if smooth != 0 {
+            let [n0, n1, n2] = self.motion.corner_normals(geometry, &ids);
+            n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
+        }
+        n = n * constant(vertices.facing);
+        let special = vertices.kinds.special();
+        if special & smooth != 0 {
+            let turned = consistent_normal(n, chain.direction);
+            n = V3::select(lane_mask(special & smooth), turned, n);
+        }
+        let mut here = MovingVertex {
+            vertices,
+            x: chain.origin + chain.direction * t,
+            n,
+            corners,
+            b: [b1, b2],
+            direction: chain.direction,
+            throughput: chain.throughput,
+            colour: dual_vector(vertices.colour, V3::splat(0.0)),
+            interface: None,
+        };
+        if special != 0 || self.view.materials.any_texture || self.motion.colours {
+            let interface = self.interface(&here);
+            here.colour = interface.colour;
+            here.interface = (special != 0).then_some(interface);
+        }
+        here
+    }
+
+    fn interface(&self, here: &MovingVertex) -> Interface<D> {
+        let tracer = self.view;
+        let (triangle, kinds) = (&here.vertices.triangle, &here.vertices.kinds);
+        let b = here.b.map(|b| b.value);
+        let db = here.b.map(|b| b.tangent);
+        let (scene, geometry) = (tracer.scene, tracer.geometry);
+        let value = tracer
+            .materials
+            .interface(scene, geometry, triangle, kinds, b);
+        let tangent = tracer.materials.interface_tangent(
+            scene,
+            geometry,
+            triangle,
+            kinds,
+            b,
+            db,
+            |t, found| self.motion.texture(t, found),
+        );
+        Interface {
+            colour: dual_vector(value.colour, tangent.colour),
+            second: dual_vector(value.second, tangent.second),
+            eta: dual_vector(value.eta, tangent.eta),
+            k: dual_vector(value.k, tangent.k),
+            alpha: Dual {
+                value: value.alpha,
+                tangent: tangent.alpha,
+            },
+        }
+    }
+
+    /// What a rough plastic lets through toward directions at cosine `cos_out`.
+    fn transmission(&self, here: &MovingVertex, cos_out: Lane) -> RoughTransmission<D> {
+        let n = value_of(here.n);
+        let cos_in = -(here.vertices.direction.normalize().dot(n));
+        let t = self.view.materials.transmission(
+            self.view.scene,
+            self.view.geometry,
+            &here.vertices.triangle,
+            &here.vertices.kinds,
+            cos_in,
+            cos_out,
+        );
+        t.map(constant)
+    }
+
+    /// π times the BSDF for light of this kind that arrives along `w`.
+    pub(crate) fn value_toward(&self, here: &MovingVertex, w: V3<D>, light: LightKind) -> V3<D> {
+        let Some(interface) = &here.interface else {
+            return here.colour;
+        };
+        let cos_out = value_of(here.n).dot(value_of(w).normalize());
+        let m = here.vertices.kinds.masks();
+        let [lit, lobes] = here.vertices.kinds.lit_by(light);
+        let value = interface_value(
+            here.n,
+            here.direction,
+            w,
+            *interface,
+            self.transmission(here, cos_out),
+            m.conductor,
+            m.plastic,
+            lane_mask(lobes),
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+        );
+        V3::select(lane_mask(lit), value, V3::splat(0.0))
+    }
+
+    /// The next ray's direction, and what the path is multiplied with.
+    fn bounce(&self, here: &MovingVertex) -> (V3<D>, V3<D>) {
+        let vertices = here.vertices;
+        let [lx, ly, lz] = vertices.local.map(constant);
+        let Some(interface) = &here.interface else {
+            return (direction_from_local(here.n, lx, ly, lz), here.colour);
+        };
+        let m = vertices.kinds.masks();
+        let (direction, weight) = interface_bounce(
+            here.n,
+            here.direction,
+            lx,
+            ly,
+            lz,
+            *interface,
+            self.transmission(here, vertices.local[2]),
+            lane_mask(vertices.lobes.diffuse),
+            lane_mask(vertices.lobes.reflected),
+            lane_mask(vertices.lobes.refracted),
+            m.conductor,
+            m.plastic,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+            m.entering,
+        );
+        (direction, weight * constant(vertices.inverse_density))
+    }
+}
+
+/// A number that does not move.
+pub fn constant(value: Lane) -> D {
+    Dual {
+        value,
+        tangent: Lane::splat(0.0),
+    }
+}
+
+pub(crate) fn value_of(v: V3<D>) -> V3<Lane> {
+    V3 {
+        x: v.x.value,
+        y: v.y.value,
+        z: v.z.value,
+    }
+}
+
+pub(crate) fn dual_number(d: D, lane: usize) -> Dual<f64> {
+    Dual {
+        value: d.value.to_array()[lane] as f64,
+        tangent: d.tangent.to_array()[lane] as f64,
+    }
+}
+
+pub(crate) fn dual_lane(v: V3<D>, lane: usize) -> V3<Dual<f64>> {
+    V3 {
+        x: dual_number(v.x, lane),
+        y: dual_number(v.y, lane),
+        z: dual_number(v.z, lane),
+    }
+}
+
+fn add_lane(v: V3<Lane>, lane: u8, value: Rgb) -> V3<Lane> {
+    let add = |x: Lane, y: f32| {
+        let mut x = x.to_array();
+        x[lane as usize] += y;
+        Lane::new(x)
+    };
+    V3 {
+        x: add(v.x, value[0]),
+        y: add(v.y, value[1]),
+        z: add(v.z, value[2]),
+    }
+}

@@ -1,0 +1,240 @@
+//! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over [`Geometry`].
+
+use crate::lanes::{Dual, LANES, Lane, Real, V3};
+use crate::paths::environment::map as sky;
+use crate::paths::rays::{from_lanes, lane_of, splat};
+use crate::paths::surface::texture::Lookup;
+use crate::scene::{
+    CameraDifferential, Environment, EnvironmentDifferential, Rgb, Scene, SceneDifferential,
+};
+use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
+use glam::Vec3;
+
+/// The tangent of a scene, numbered as [`Geometry`] numbers it.
+pub struct Motion {
+    /// Velocity of each vertex; empty if no mesh moves.
+    pub positions: Vec<Vec3>,
+    /// Change of each shading normal; empty if no smooth mesh moves.
+    pub normals: Vec<Vec3>,
+    /// Whether each mesh moves or its normals turn.
+    pub moving_mesh: Vec<bool>,
+    pub camera: Option<CameraDifferential>,
+    /// Per texture, per texel.
+    pub texels: Vec<Option<Vec<Rgb>>>,
+    /// Per texture: the rows of `to_uv`.
+    pub to_uv: Vec<Option<[f32; 6]>>,
+    /// Whether any of them changes.
+    pub colours: bool,
+    /// Velocity of each light without an extent.
+    pub delta_lights: Vec<Vec3>,
+    pub environment: EnvironmentDifferential,
+}
+
+impl Motion {
+    pub fn new(scene: &Scene, geometry: &Geometry, tangent: &SceneDifferential) -> Self {
+        let moving_mesh: Vec<bool> = tangent.positions.iter().map(Option::is_some).collect();
+        let spread = |of: &[Option<Vec<Vec3>>]| {
+            let mut all = vec![Vec3::ZERO; geometry.positions.len()];
+            for (mesh, values) in of.iter().enumerate() {
+                if let Some(values) = values {
+                    let first = geometry.first_vertex[mesh] as usize;
+                    all[first..first + values.len()].copy_from_slice(values);
+                }
+            }
+            all
+        };
+        let any_mesh = moving_mesh.contains(&true);
+        let positions = if any_mesh {
+            spread(&tangent.positions)
+        } else {
+            Vec::new()
+        };
+        let smooth = moving_mesh
+            .iter()
+            .zip(&geometry.smooth)
+            .any(|(m, s)| *m && *s);
+        let normals = if smooth {
+            let turned = crate::gradient::scene::normals::tangent(scene, tangent);
+            spread(&turned)
+        } else {
+            Vec::new()
+        };
+        Self {
+            positions,
+            normals,
+            moving_mesh,
+            camera: tangent.camera,
+            texels: tangent.texels.clone(),
+            to_uv: tangent.to_uv.clone(),
+            colours: tangent.texels.iter().any(Option::is_some)
+                || tangent.to_uv.iter().any(Option::is_some),
+            delta_lights: tangent
+                .delta_lights
+                .iter()
+                .map(|m| m.unwrap_or_default())
+                .collect(),
+            environment: tangent.environment.unwrap_or_default(),
+        }
+    }
+
+    /// How a texture changes where it is looked up.
+    pub fn texture(&self, texture: usize, found: &Lookup) -> Vec3 {
+        let mixed = self.texels[texture].as_ref();
+        let moved = self.to_uv[texture].as_ref();
+        mixed.map_or(Vec3::ZERO, |t| found.mix(t)) + moved.map_or(Vec3::ZERO, |m| found.moved(m))
+    }
+
+    /// How the colour of a constant texture changes.
+    pub fn texel(&self, texture: usize) -> Rgb {
+        self.texels[texture].as_ref().map_or([0.0; 3], |t| t[0])
+    }
+
+    /// The change of the environment's radiance along directions that change by `turning`.
+    pub fn sky_tangent(
+        &self,
+        scene: &Scene,
+        environment: &Environment,
+        direction: V3<Lane>,
+        turning: V3<Lane>,
+    ) -> V3<Lane> {
+        let texels = self.texels[environment.radiance].as_ref();
+        let Some(map) = &environment.map else {
+            return splat(texels.map_or(Vec3::ZERO, |t| Vec3::from(t[0])));
+        };
+        let texture = &scene.textures[environment.radiance];
+        from_lanes(&std::array::from_fn(|lane| {
+            let (d, turning) = (lane_of(direction, lane), lane_of(turning, lane));
+            let found = sky::lookup(texture, map, d);
+            let mixed: Vec3 = texels.map_or(Vec3::ZERO, |texels| {
+                let parts = found.texels.iter().zip(found.weights);
+                parts
+                    .map(|(&t, w)| Vec3::from(texels[t as usize]) * w)
+                    .sum()
+            });
+            // If the map turns by ω the direction turns by −ω as the map sees it.
+            let seen = turning - self.environment.rotation.cross(d);
+            let [u, v] = found.by_direction.map(|g| g.dot(seen));
+            let brighter = found.value * (self.environment.scale / map.scale);
+            mixed + brighter + found.by_uv[0] * u + found.by_uv[1] * v
+        }))
+    }
+
+    /// Whether the mesh of a triangle moves.
+    pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
+        triangle != NO_TRIANGLE
+            && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
+    }
+
+    /// Whether anything moves that the triangles in `lanes` belong to.
+    pub fn moves_any(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> bool {
+        triangle.iter().any(|&t| self.moves(geometry, t))
+    }
+
+    /// A vertex with its velocity.
+    pub fn point(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
+        let p = geometry.positions[vertex as usize].as_dvec3();
+        let v = self
+            .positions
+            .get(vertex as usize)
+            .copied()
+            .unwrap_or(Vec3::ZERO)
+            .as_dvec3();
+        let dual = |value, tangent| Dual { value, tangent };
+        V3 {
+            x: dual(p.x, v.x),
+            y: dual(p.y, v.y),
+            z: dual(p.z, v.z),
+        }
+    }
+
+    /// The corners of a triangle in each lane with their velocities.
+    pub fn corners(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
+        join(
+            geometry.gather_positions(corners),
+            self.gather(&self.positions, corners),
+        )
+    }
+
+    /// The shading normals at a triangle's corners in each lane, with how they turn.
+    pub fn corner_normals(
+        &self,
+        geometry: &Geometry,
+        corners: &[[u32; 3]; LANES],
+    ) -> [V3<Dual<Lane>>; 3] {
+        join(
+            geometry.gather_normals(corners),
+            self.gather(&self.normals, corners),
+        )
+    }
+
+    fn gather(&self, of: &[Vec3], corners: &[[u32; 3]; LANES]) -> [V3<Lane>; 3] {
+        if of.is_empty() {
+            return [V3::splat(0.0); 3];
+        }
+        gather(corners, |v, _| {
+            if v == u32::MAX {
+                Vec3::ZERO
+            } else {
+                of[v as usize]
+            }
+        })
+    }
+
+    /// The camera's position and axes, and tan(x_fov/2), with their velocities.
+    pub fn camera<F: Real>(&self, camera: &crate::paths::film::camera::Camera) -> MovingCamera<F> {
+        let motion = self.camera.unwrap_or_default();
+        let dual = |value: Vec3, tangent: Vec3| dual_vector(splat::<F>(value), splat::<F>(tangent));
+        let tan = camera.tan_half_x_fov;
+        // d tan(φ/2)/dφ = (1 + tan²)/2.
+        let tan_velocity = (motion.x_fov_deg as f64).to_radians() * 0.5 * (1.0 + tan * tan);
+        MovingCamera {
+            origin: dual(camera.origin, motion.translation),
+            axes: camera
+                .axes
+                .map(|axis| dual(axis, motion.rotation.cross(axis))),
+            tan_half_x_fov: Dual {
+                value: F::splat(tan),
+                tangent: F::splat(tan_velocity),
+            },
+        }
+    }
+}
+
+/// A camera with its velocity.
+#[derive(Clone, Copy)]
+pub struct MovingCamera<F> {
+    pub origin: V3<Dual<F>>,
+    pub axes: [V3<Dual<F>>; 3],
+    pub tan_half_x_fov: Dual<F>,
+}
+
+/// A vector with its tangent.
+pub fn dual_vector<F>(value: V3<F>, tangent: V3<F>) -> V3<Dual<F>> {
+    V3 {
+        x: Dual {
+            value: value.x,
+            tangent: tangent.x,
+        },
+        y: Dual {
+            value: value.y,
+            tangent: tangent.y,
+        },
+        z: Dual {
+            value: value.z,
+            tangent: tangent.z,
+        },
+    }
+}
+
+/// The tangent of a vector.
+pub fn tangent_of<F: Copy>(v: V3<Dual<F>>) -> V3<F> {
+    V3 {
+        x: v.x.tangent,
+        y: v.y.tangent,
+        z: v.z.tangent,
+    }
+}
+
+fn join(values: [V3<Lane>; 3], tangents: [V3<Lane>; 3]) -> [V3<Dual<Lane>>; 3] {
+    std::array::from_fn(|c| dual_vector(values[c], tangents[c]))
+}

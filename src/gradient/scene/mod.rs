@@ -1,0 +1,5 @@
+//! Derivatives of the scene: what moves forward, what is summed backward.
+
+pub mod backward;
+pub mod forward;
+pub mod normals;

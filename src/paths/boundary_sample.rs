@@ -1,0 +1,47 @@
+//! What estimators of boundary terms leave behind: where something jumps, and what that brings.
+
+use crate::discontinuity::boundary::Boundary;
+use crate::paths::counts::Counts;
+use crate::scene::Rgb;
+
+/// A place where an integrand jumps, in one of the integrals along a path.
+///
+/// With F the boundary's function (`discontinuity::boundary`) and Ḟ its derivative at the fixed coordinate
+/// `at`, the sample adds `weight`·Ḟ to the gradient.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundarySample {
+    pub boundary: Boundary,
+    /// Of the packet whose vertex it belongs to; of no meaning on the film.
+    pub lane: u8,
+    pub at: Coordinate,
+    /// Radiance per unit of Ḟ, all at θ₀; on the film in radiance times pixels.
+    pub weight: Rgb,
+}
+
+/// What stays fixed while the boundary moves.
+#[derive(Clone, Copy, Debug)]
+pub enum Coordinate {
+    /// Film position in pixels.
+    Film([f64; 2]),
+    /// A point in the square of a light's patch.
+    Light { patch: u32, at: [f64; 2] },
+    /// A world direction (unit) that keeps its place on the environment map.
+    Environment([f64; 3]),
+    /// The lobe's coordinate in the frame of the shading normal (`kernels::interface`).
+    Lobe([f64; 3]),
+}
+
+/// What an estimator found, and what that took.
+#[derive(Default)]
+pub struct Found {
+    pub samples: Vec<BoundarySample>,
+    pub counts: Counts,
+}
+
+impl Found {
+    /// Forgets everything, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.counts = Counts::default();
+    }
+}

@@ -1,0 +1,57 @@
+//! What was done while tiles were traced.
+
+/// What was done: rays traced by kind, and silhouettes that could not be found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    pub camera: u64,
+    pub shadow: u64,
+    pub bounce: u64,
+    /// Shadow rays to a light's rim: they only find silhouettes.
+    pub light_cell: u64,
+    /// Rays along the horizon and beside it: they only find silhouettes.
+    pub bounce_cell: u64,
+    /// Rays to the environment map: they only find silhouettes.
+    pub sky_cell: u64,
+    /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
+    pub probe: u64,
+    /// Cells between whose ends a silhouette was found.
+    pub resolved: u64,
+    /// Cells whose ends differ though no silhouette was found between them.
+    pub unresolved: u64,
+    /// Samples of the image left out because they were not finite.
+    pub not_finite: u64,
+    /// Borders left out because what jumps there was not finite.
+    pub boundary_not_finite: u64,
+    /// Terms of the gradient left out because they were not finite.
+    pub gradient_not_finite: u64,
+}
+
+impl Counts {
+    /// All rays.
+    pub fn rays(&self) -> u64 {
+        self.camera
+            + self.shadow
+            + self.bounce
+            + self.light_cell
+            + self.bounce_cell
+            + self.sky_cell
+            + self.probe
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, o: Self) {
+        self.camera += o.camera;
+        self.shadow += o.shadow;
+        self.bounce += o.bounce;
+        self.light_cell += o.light_cell;
+        self.bounce_cell += o.bounce_cell;
+        self.sky_cell += o.sky_cell;
+        self.probe += o.probe;
+        self.resolved += o.resolved;
+        self.unresolved += o.unresolved;
+        self.not_finite += o.not_finite;
+        self.boundary_not_finite += o.boundary_not_finite;
+        self.gradient_not_finite += o.gradient_not_finite;
+    }
+}

@@ -1,0 +1,109 @@
+//! Samples of an environment map; see `paths::light::sample` and `paths::environment::distribution`.
+
+use crate::kernels::light::direction_irradiance;
+use crate::lanes::{LANES, Lane, Mask, Real, V3};
+use crate::paths::at::At;
+use crate::paths::counts::Counts;
+use crate::paths::environment::distribution::Sky;
+use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of, masked};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::{SkySample, Vertices};
+use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::vertex::Surface;
+use crate::scene::Environment;
+use glam::Vec3;
+
+/// Pairs of random numbers for the sky lie beyond those of all other things at a vertex.
+pub const SKY_PAIRS: u32 = 0x1000;
+
+impl At<'_> {
+    /// Draws a direction of the map in every lane.
+    pub fn sample_sky(&self, sky: &Sky, counts: &mut Counts) -> SkySample {
+        let Self {
+            view,
+            vertices,
+            surface,
+            ..
+        } = *self;
+        let (u, v) = self.numbers.pair(SKY_PAIRS);
+        let (u, v) = (u.to_array(), v.to_array());
+        let mut pdf = [1.0; LANES];
+        let directions: [Vec3; LANES] = std::array::from_fn(|l| {
+            let (d, p) = sky.sample(u[l] as f64, v[l] as f64);
+            pdf[l] = p;
+            d
+        });
+        let direction = from_lanes(&directions);
+        let zero = Lane::splat(0.0);
+        let above = surface.n.dot(direction).gt(zero).to_bits();
+        let active = view.lit_by_map(vertices) & above;
+        let rays = RayPacket::leaving(surface.x, surface.geometric, direction, active);
+        let visible = view.unoccluded(&rays, &mut counts.shadow);
+        let light = Lane::new(pdf);
+        let cos = surface.n.dot(direction);
+        let bounce = view.bounce_pdf_over_cos(vertices, surface, direction) * cos;
+        let weight = light / (light * light + bounce * bounce);
+        SkySample {
+            direction,
+            weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
+            irradiance: direction_irradiance(surface.n, direction),
+            value: masked(
+                active,
+                view.value_toward(vertices, surface, direction, LightKind::Sampled),
+            ),
+        }
+    }
+}
+
+impl SceneView<'_> {
+    /// Lanes that samples of an environment map light.
+    pub fn lit_by_map(&self, vertices: &Vertices) -> u32 {
+        vertices.hit & vertices.kinds.lit_by_samples() & !self.reflects_nothing(vertices)
+    }
+
+    /// What the sample brings, before the throughput.
+    pub fn sky_light(&self, environment: &Environment, sample: &SkySample) -> V3<Lane> {
+        let lit = sample.weight.gt(Lane::splat(0.0));
+        if !lit.any() {
+            return V3::splat(0.0);
+        }
+        let irradiance = sample.irradiance * sample.weight;
+        let radiance = self.environment_radiance(environment, sample.direction);
+        V3::select(
+            lit,
+            sample.value.times(radiance) * irradiance,
+            V3::splat(0.0),
+        )
+    }
+
+    /// For bounces that see the map: the MIS weight against samples of it at the vertex `from`, times what turns its
+    /// irradiance into the radiance of the path; and π times the BSDF times the irradiance.
+    pub fn sampled_sky(
+        &self,
+        sky: &Sky,
+        vertices: &Vertices,
+        from: &Vertices,
+        surface: &Surface,
+    ) -> (Lane, V3<Lane>) {
+        let escaped = vertices.escaped;
+        let d = vertices.direction;
+        let cos = surface.n.dot(d);
+        let bounce = self.bounce_pdf_over_cos(from, surface, d) * cos;
+        let light = Lane::new(std::array::from_fn(|l| {
+            if escaped >> l & 1 == 1 {
+                sky.pdf(lane_of(d, l))
+            } else {
+                1.0
+            }
+        }));
+        let zero = Lane::splat(0.0);
+        let counts = lane_mask(escaped) & bounce.gt(zero);
+        let weight = bounce / (bounce * bounce + light * light) * from.survival;
+        let value = self.value_toward(from, surface, d, LightKind::Sampled)
+            * direction_irradiance(surface.n, d);
+        (
+            <Lane as Real>::select(counts, weight, zero),
+            masked(counts.to_bits(), value),
+        )
+    }
+}

@@ -1,0 +1,80 @@
+//! The seam between rendering and the boundary terms of its gradient.
+//!
+//! An integral whose integrand jumps has a derivative with two terms: the integral of the integrand's own derivative, and a
+//! term of the places where it jumps. The first needs nothing but the stored paths. For the second the
+//! integrator calls an estimator wherever it estimates such an integral: over the film, over a light, over the
+//! environment, over the directions of a lobe. The estimator leaves [`BoundarySample`]s there, all of one kind, which the
+//! sweeps differentiate. Neither the integrator nor the sweeps know which estimator left them.
+//!
+//! [`BoundarySample`]: crate::paths::boundary_sample::BoundarySample
+
+use crate::lanes::LANES;
+use crate::paths::at::At;
+use crate::paths::boundary_sample::Found;
+use crate::paths::film::lattice::{LatticeImage, Tile};
+use crate::paths::moving::Moving;
+use crate::paths::rays::RayPacket;
+use crate::paths::scene_view::SceneView;
+
+/// Finds what jumps in the integrals along paths. Every method has a default that finds nothing.
+pub trait BoundaryEstimator: Sync {
+    /// What moves, if the estimator wants [`Vertices::moves`] to be told.
+    ///
+    /// [`Vertices::moves`]: crate::paths::store::Vertices::moves
+    fn moving(&self) -> Option<&Moving> {
+        None
+    }
+
+    /// Whether the film's lattice needs one point more beyond each side of a tile, so that its cells cover the tile.
+    fn closes_lattice(&self) -> bool {
+        false
+    }
+
+    /// Over the film: jumps of the radiance in a tile, whose samples have been traced.
+    fn film(&self, _film: &FilmTile, _out: &mut Found) {}
+
+    /// Over a light: jumps of its visibility and its radiance, seen from a vertex that has drawn a sample of it.
+    fn light(&self, _at: &At, _draw: &LightDraw, _out: &mut Found) {}
+
+    /// Over an environment map: jumps of its visibility, seen from a vertex that has drawn a sample of it.
+    fn environment(&self, _at: &At, _out: &mut Found) {}
+
+    /// Over the directions of a lobe: jumps of the radiance that arrives at a vertex whose bounce has been traced.
+    fn lobe(&self, _at: &At, _bounce: &Bounce, _out: &mut Found) {}
+}
+
+/// The estimator that finds nothing: what is left is the derivative that ignores visibility.
+pub struct Interior;
+
+impl BoundaryEstimator for Interior {}
+
+/// A tile of the film, and what its samples saw.
+#[derive(Clone, Copy)]
+pub struct FilmTile<'a> {
+    pub view: &'a SceneView<'a>,
+    pub tile: &'a Tile,
+    pub image: &'a LatticeImage,
+}
+
+/// The sample of a light in each lane, as it was drawn.
+pub struct LightDraw {
+    pub patch: [u32; LANES],
+    /// Uniform in the unit square, also where the light is a triangle.
+    pub square: [[f32; LANES]; 2],
+}
+
+/// Where the paths of a packet went on.
+#[derive(Clone, Copy)]
+pub struct Bounce<'a> {
+    pub rays: &'a RayPacket,
+    pub seen: Seen<'a>,
+}
+
+/// What the bounces of a packet ended on.
+#[derive(Clone, Copy)]
+pub enum Seen<'a> {
+    /// At the last vertex only the environment shines: lanes that see it.
+    Environment(u32),
+    /// Triangles, or none; the paths go on from there.
+    Triangles(&'a [u32; LANES]),
+}

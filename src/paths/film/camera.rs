@@ -1,0 +1,69 @@
+//! The camera that renders, and the film point a ray goes through.
+
+use crate::kernels::camera::camera_direction;
+use crate::lanes::{Real, V3};
+use crate::paths::rays::splat;
+use crate::scene::Sensor;
+use glam::{DVec3, Vec3};
+
+/// A perspective camera, ready to make rays.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    pub origin: Vec3,
+    /// World-space axes: x to the image's left, y up, z forward. Orthonormal.
+    pub axes: [Vec3; 3],
+    pub tan_half_x_fov: f64,
+    /// Film coordinates (pixels of the crop window) to the camera's tangents: p = offset + scale·u.
+    offset: [f64; 2],
+    scale: f64,
+    pub near_clip: f32,
+    pub far_clip: f32,
+}
+
+impl Camera {
+    pub fn new(sensor: &Sensor) -> Self {
+        let film = &sensor.film;
+        let (width, height) = (film.width as f64, film.height as f64);
+        let shift = sensor.principal_point_offset.as_dvec2();
+        let [crop_x, crop_y] = film.crop_offset.map(f64::from);
+        let m = sensor.to_world.matrix3;
+        Self {
+            origin: sensor.to_world.translation.into(),
+            axes: [m.x_axis.into(), m.y_axis.into(), m.z_axis.into()],
+            tan_half_x_fov: (sensor.x_fov_rad as f64 / 2.0).tan(),
+            // Mitsuba's convention: p_x = 1 − 2·(u_x/width + shift), p_y the same over the aspect ratio.
+            offset: [
+                1.0 - 2.0 * (crop_x / width + shift.x),
+                (1.0 - 2.0 * (crop_y / height + shift.y)) * height / width,
+            ],
+            scale: -2.0 / width,
+            near_clip: sensor.near_clip,
+            far_clip: sensor.far_clip,
+        }
+    }
+
+    /// The camera's tangents at a film point: what [`camera_direction`] takes.
+    pub fn film_to_camera<F: Real>(&self, u: F, v: F) -> (F, F) {
+        let scale = F::splat(self.scale);
+        (
+            F::splat(self.offset[0]) + scale * u,
+            F::splat(self.offset[1]) + scale * v,
+        )
+    }
+
+    /// Direction through the film point (`u`, `v`), in pixels of the crop window.
+    pub fn direction<F: Real>(&self, u: F, v: F) -> V3<F> {
+        let (px, py) = self.film_to_camera(u, v);
+        let [x, y, z] = self.axes.map(splat);
+        camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
+    }
+
+    /// How the direction changes per pixel to the right and down.
+    pub fn direction_per_pixel(&self) -> [DVec3; 2] {
+        let step = self.tan_half_x_fov * self.scale;
+        [
+            self.axes[0].as_dvec3() * step,
+            self.axes[1].as_dvec3() * step,
+        ]
+    }
+}

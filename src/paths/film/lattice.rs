@@ -1,0 +1,116 @@
+//! The film's samples: one shifted lattice a tile and group.
+//!
+//! A group of samples puts `columns × rows` points in every pixel, on a regular lattice that is shifted as a whole
+//! by one random vector a tile. Every interval between neighbours in a row or a column is a *cell* of the change
+//! of variables (`boundary::cells::film::search`); so that the cells cover the tile completely, the lattice has one more point
+//! beyond each side of the tile, which belongs to no pixel's sum.
+
+use crate::paths::random::Stream;
+use crate::scene::Rgb;
+
+/// How the samples of one group lie, and how the film is cut into tiles.
+#[derive(Clone, Debug)]
+pub struct Lattice {
+    /// Points a pixel along x and y.
+    pub per_pixel: [usize; 2],
+    /// Sampled domain in pixels of the crop window: from −border to size + border.
+    pub start: [i32; 2],
+    pub end: [i32; 2],
+    tiles: [usize; 2],
+}
+
+/// One tile of one group.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    /// Pixels covered: from `start` up to, not including, `end`.
+    pub start: [i32; 2],
+    pub end: [i32; 2],
+    /// Lattice points along x and y, the two outer ones included.
+    pub points: [usize; 2],
+    /// Film position of point (0, 0), which lies outside the tile.
+    pub first: [f64; 2],
+    /// Distance between neighbours in pixels.
+    pub step: [f64; 2],
+    pub stream: Stream,
+}
+
+/// What the samples of a tile saw: row by row.
+pub struct LatticeImage {
+    pub triangle: Vec<u32>,
+    pub radiance: Vec<Rgb>,
+}
+
+/// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep its store in
+/// the second-level cache whatever the number of samples a pixel.
+const POINTS_PER_SIDE: usize = 64;
+
+impl Lattice {
+    /// `samples` points a pixel over the film of `size` pixels and `border` pixels around it.
+    pub fn new(samples: u32, size: [u32; 2], border: u32) -> Self {
+        let samples = samples.max(1) as usize;
+        // The divisor nearest the square root: as square as the number allows.
+        let rows = (1..=samples.isqrt())
+            .rev()
+            .find(|r| samples.is_multiple_of(*r))
+            .unwrap_or(1);
+        let per_pixel = [samples / rows, rows];
+        let start = [-(border as i32); 2];
+        let end = size.map(|s| (s + border) as i32);
+        let tiles = std::array::from_fn(|i| {
+            let pixels = (end[i] - start[i]) as usize;
+            pixels.div_ceil(((POINTS_PER_SIDE - 2) / per_pixel[i]).max(1))
+        });
+        Self {
+            per_pixel,
+            start,
+            end,
+            tiles,
+        }
+    }
+
+    pub fn tile_count(&self) -> usize {
+        self.tiles[0] * self.tiles[1]
+    }
+
+    /// Tile `index` of group `group`.
+    pub fn tile(&self, index: usize, group: u32, seed: u64) -> Tile {
+        let at = [index % self.tiles[0], index / self.tiles[0]];
+        let stream = Stream::new(seed, [group, index as u32]);
+        let bound = |i: usize, k: usize| {
+            let pixels = (self.end[i] - self.start[i]) as usize;
+            self.start[i] + (pixels * k / self.tiles[i]) as i32
+        };
+        let start = [bound(0, at[0]), bound(1, at[1])];
+        let end = [bound(0, at[0] + 1), bound(1, at[1] + 1)];
+        let step = self.per_pixel.map(|n| 1.0 / n as f64);
+        let shift = [stream.uniform(0), stream.uniform(1)];
+        Tile {
+            start,
+            end,
+            points: std::array::from_fn(|i| (end[i] - start[i]) as usize * self.per_pixel[i] + 2),
+            first: std::array::from_fn(|i| start[i] as f64 + (shift[i] as f64 - 1.0) * step[i]),
+            step,
+            stream,
+        }
+    }
+}
+
+impl Tile {
+    /// Film position of a lattice point along axis `i`.
+    pub fn position(&self, i: usize, point: usize) -> f64 {
+        self.first[i] + point as f64 * self.step[i]
+    }
+
+    /// Whether the lattice point belongs to a pixel of the tile, or only closes its outer cells.
+    pub fn is_inner(&self, i: usize, point: usize) -> bool {
+        point > 0 && point + 1 < self.points[i]
+    }
+
+    /// Whether a film position lies in the tile.
+    pub fn contains(&self, [u, v]: [f64; 2]) -> bool {
+        u >= self.start[0] as f64
+            && u < self.end[0] as f64
+            && v >= self.start[1] as f64
+            && v < self.end[1] as f64
+    }
+}

@@ -1,0 +1,6 @@
+//! The film: the camera's rays, how samples lie, how they become pixels.
+
+pub mod camera;
+pub mod filter;
+pub mod lattice;
+pub mod tile;

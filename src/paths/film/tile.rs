@@ -1,0 +1,140 @@
+//! Tracing all samples of a tile.
+
+use crate::lanes::{LANES, Lane};
+use crate::paths::counts::Counts;
+use crate::paths::estimator::FilmTile;
+use crate::paths::film::filter::{Block, FilmFilter, Taps};
+use crate::paths::film::lattice::{LatticeImage, Tile};
+use crate::paths::integrator::Integrator;
+use crate::paths::random::morton;
+use crate::paths::rays::{RayPacket, splat, to_rgb};
+use crate::paths::store::TileStore;
+use crate::scene::Rgb;
+use crate::trace::geometry::NO_TRIANGLE;
+
+/// A tile whose paths are traced and, if they were to be kept, stored.
+pub struct TracedTile {
+    pub tile: Tile,
+    pub store: TileStore,
+    pub image: LatticeImage,
+    pub counts: Counts,
+    pub taps: [Vec<Taps>; 2],
+    /// Whether the outer rows and columns were traced.
+    with_outer: bool,
+}
+
+/// A packet of film samples: a part of one lattice row.
+#[derive(Clone, Copy)]
+pub struct FilmPacket {
+    pub row: usize,
+    pub column: usize,
+    /// Lanes that hold a lattice point.
+    pub active: u32,
+    pub u: Lane,
+    pub v: Lane,
+}
+
+impl TracedTile {
+    /// Traces the tile, and has the estimator find what jumps on the film. Paths are kept for the sweeps if `keep` says so.
+    /// What `store` holds is thrown away.
+    pub fn trace(
+        integrator: &Integrator,
+        filter: &FilmFilter,
+        tile: Tile,
+        keep: bool,
+        mut store: TileStore,
+    ) -> Self {
+        let [columns, rows] = tile.points;
+        let Integrator { view, estimator } = *integrator;
+        store.clear();
+        let mut not_finite = 0;
+        let mut image = LatticeImage {
+            triangle: vec![NO_TRIANGLE; columns * rows],
+            radiance: vec![[0.0; 3]; columns * rows],
+        };
+        for packet in packets(&tile, estimator.closes_lattice()) {
+            if !keep {
+                store.forget_paths();
+            }
+            let rays = RayPacket {
+                active: packet.active,
+                origin: splat(view.camera.origin),
+                direction: view.camera.direction(packet.u, packet.v),
+                near: view.camera.near_clip,
+                far: view.camera.far_clip,
+            };
+            let index =
+                std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
+            integrator.trace_from_camera(rays, &tile.stream, &index, &mut store);
+            let path = store.path(store.depths.len() - 2);
+            let radiance = to_rgb(view.radiance(&store, path));
+            for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+                let at = packet.row * columns + packet.column + lane;
+                image.triangle[at] = path[0].triangle[lane];
+                if radiance[lane].iter().all(|c| c.is_finite()) {
+                    image.radiance[at] = radiance[lane];
+                } else {
+                    not_finite += 1;
+                }
+            }
+        }
+        store.vertex_samples = store.found.samples.len();
+        let film = FilmTile {
+            view,
+            tile: &tile,
+            image: &image,
+        };
+        estimator.film(&film, &mut store.found);
+        store.counts.not_finite = not_finite;
+        let mut counts = store.counts;
+        counts += store.found.counts;
+        counts.resolved += store.found.samples.len() as u64;
+        let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
+        Self {
+            tile,
+            store,
+            image,
+            counts,
+            taps,
+            with_outer: estimator.closes_lattice(),
+        }
+    }
+
+    /// The tile's packets, in the order of the store.
+    pub fn packets(&self) -> impl Iterator<Item = FilmPacket> {
+        packets(&self.tile, self.with_outer)
+    }
+
+    /// Adds one value a lattice point to a block.
+    pub fn splat(&self, values: &[Rgb], block: &mut Block) {
+        let columns = self.tile.points[0];
+        for (row, y_taps) in self.taps[1].iter().enumerate() {
+            block.add_row(
+                &self.taps[0],
+                y_taps,
+                &values[row * columns..(row + 1) * columns],
+            );
+        }
+    }
+}
+
+/// All packets of a tile, row by row; the outer rows and columns only if asked for.
+fn packets(tile: &Tile, with_outer: bool) -> impl Iterator<Item = FilmPacket> + use<> {
+    let tile = tile.clone();
+    let [columns, rows] = tile.points;
+    let skip = if with_outer { 0 } else { 1 };
+    (skip..rows - skip).flat_map(move |row| {
+        let tile = tile.clone();
+        (skip..columns - skip).step_by(LANES).map(move |column| {
+            let lanes = (columns - skip - column).min(LANES);
+            let u = std::array::from_fn(|l| tile.position(0, column + l) as f32);
+            FilmPacket {
+                row,
+                column,
+                active: ((1u64 << lanes) - 1) as u32,
+                u: Lane::new(u),
+                v: Lane::splat(tile.position(1, row) as f32),
+            }
+        })
+    })
+}

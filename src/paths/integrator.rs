@@ -1,0 +1,329 @@
+//! Tracing paths, one packet of lanes at a time: camera ray, light samples, bounce, and so on.
+//!
+//! What is drawn and how it is weighed is in `paths::light`, `paths::environment` and `paths::surface`. Wherever an
+//! integral is estimated whose integrand may jump, the boundary estimator is called (`paths::estimator`).
+
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::at::{At, Numbers};
+use crate::paths::between_planes::BetweenPlanes;
+use crate::paths::estimator::{Bounce, BoundaryEstimator, Seen};
+use crate::paths::random::Stream;
+use crate::paths::rays::{RayPacket, lane_mask};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::{TileStore, Vertices};
+use crate::paths::surface::vertex::Surface;
+use crate::trace::Coherence;
+use crate::trace::geometry::NO_TRIANGLE;
+
+/// Traces and stores paths, and has an estimator find what jumps along them.
+#[derive(Clone, Copy)]
+pub struct Integrator<'a> {
+    pub view: &'a SceneView<'a>,
+    pub estimator: &'a dyn BoundaryEstimator,
+}
+
+/// How paths begin.
+#[derive(Clone, Copy)]
+pub struct Start {
+    pub rays: RayPacket,
+    /// Number of the vertex that they lead to; 0 is the first that a camera sees.
+    pub depth: u32,
+    /// Whether what the first rays find emitting counts.
+    pub with_emission: bool,
+    /// Lanes of whose first vertex only the light counts that arrives between two planes ([`BetweenPlanes`]).
+    pub between_planes: u32,
+}
+
+/// A packet of paths on its way to the next vertex.
+struct Path {
+    rays: RayPacket,
+    coherence: Coherence,
+    throughput: V3<Lane>,
+    /// Lanes that move against what they see.
+    moves: u32,
+    /// What is left behind, and the part of the directions that its lobe was drawn from.
+    previous: Option<(Surface, Lane)>,
+}
+
+impl Integrator<'_> {
+    /// Traces the paths that begin with a packet of camera rays and appends their vertices.
+    pub fn trace_from_camera(
+        &self,
+        rays: RayPacket,
+        stream: &Stream,
+        index: &[u32; LANES],
+        store: &mut TileStore,
+    ) {
+        let start = Start {
+            rays,
+            depth: 0,
+            with_emission: true,
+            between_planes: 0,
+        };
+        self.trace(&start, stream, index, store);
+        store.depths.push(store.vertices.len() as u32);
+    }
+
+    /// Traces paths and appends their vertices.
+    pub fn trace(
+        &self,
+        start: &Start,
+        stream: &Stream,
+        index: &[u32; LANES],
+        store: &mut TileStore,
+    ) {
+        let mut path = Path {
+            rays: start.rays,
+            coherence: Coherence::Coherent,
+            throughput: V3::splat(1.0),
+            moves: self.estimator.moving().map_or(0, |m| m.camera_lanes()),
+            previous: None,
+        };
+        for depth in start.depth.. {
+            let numbers = Numbers {
+                stream,
+                index,
+                depth,
+            };
+            let mut vertices = self.arrive(start, &mut path, depth, store);
+            let before = Numbers {
+                depth: depth.wrapping_sub(1),
+                ..numbers
+            };
+            self.look_over_lobe(&path, Seen::Triangles(&vertices.triangle), before, store);
+            let surface = self.view.surface(&mut vertices);
+            self.weigh_emission(&mut vertices, &path, store);
+            let segments = depth + 2;
+            if vertices.hit == 0 || segments > self.view.limits.max_depth {
+                store.vertices.push(vertices);
+                return;
+            }
+            let bounces = self.bounces(&vertices, segments);
+            self.next_event_estimation(&mut vertices, &surface, &numbers, bounces, store);
+            let between = (start.between_planes != 0 && depth == start.depth)
+                .then(|| BetweenPlanes::new(start.between_planes, &surface));
+            if let Some(between) = &between {
+                self.view
+                    .keep_between(between, &mut vertices, &surface, store);
+            }
+            if !bounces {
+                store.vertices.push(vertices);
+                return;
+            }
+            self.leave(&mut path, vertices, surface, between, numbers, store);
+            if self.ends(&mut path, segments, numbers, store) {
+                return;
+            }
+        }
+    }
+
+    /// Follows the rays to the next vertex.
+    fn arrive(
+        &self,
+        start: &Start,
+        path: &mut Path,
+        depth: u32,
+        store: &mut TileStore,
+    ) -> Vertices {
+        let view = self.view;
+        let rays = &path.rays;
+        let triangle = view.intersect(rays, path.coherence);
+        *if depth == 0 {
+            &mut store.counts.camera
+        } else {
+            &mut store.counts.bounce
+        } += rays.active.count_ones() as u64;
+        // What a probe's first ray finds emitting counts where the path it stands for would count it.
+        let hides_emission =
+            (start.depth == 0 && view.limits.hide_emitters) || !start.with_emission;
+        let mut vertices = Vertices {
+            origin: rays.origin,
+            direction: rays.direction,
+            triangle,
+            throughput: path.throughput,
+            emission_weight: Lane::splat(if hides_emission { 0.0 } else { 1.0 }),
+            ..Vertices::default()
+        };
+        if let Some(moving) = self.estimator.moving() {
+            path.moves |= moving.lanes(view.geometry, &triangle);
+            vertices.moves = path.moves;
+        }
+        for (lane, &t) in triangle.iter().enumerate() {
+            if rays.active >> lane & 1 == 1 {
+                *(if t == NO_TRIANGLE {
+                    &mut vertices.escaped
+                } else {
+                    &mut vertices.hit
+                }) |= 1 << lane;
+            }
+        }
+        if depth == 0 && view.limits.hide_emitters {
+            vertices.escaped = 0;
+        }
+        if depth > 0 && depth == start.depth && view.sky.is_some() && !start.with_emission {
+            // Wide lobes see the map by lines of its own.
+            vertices.escaped = 0;
+        }
+        vertices
+    }
+
+    /// Whether any path of the packet goes on, or at least looks for light once more.
+    fn bounces(&self, vertices: &Vertices, segments: u32) -> bool {
+        let view = self.view;
+        // Lights are seen in narrow lobes only along bounces.
+        let narrow = vertices.hit & vertices.kinds.seen_along_bounces();
+        let looks_for_light = !view.lights.is_empty() && narrow != 0;
+        segments < view.limits.max_depth || view.scene.environment.is_some() || looks_for_light
+    }
+
+    /// Samples of all lights, and what jumps in the integrals that they estimate.
+    fn next_event_estimation(
+        &self,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        numbers: &Numbers,
+        bounces: bool,
+        store: &mut TileStore,
+    ) {
+        let view = self.view;
+        let first = store.found.samples.len() as u32;
+        if !view.lights.is_empty() {
+            let at = At {
+                view,
+                vertices,
+                surface,
+                numbers: *numbers,
+            };
+            let (light, draw) = at.sample_light(bounces, &mut store.counts);
+            self.estimator.light(&at, &draw, &mut store.found);
+            vertices.light = light;
+        }
+        if let Some(sky) = view.sky {
+            let at = At {
+                view,
+                vertices,
+                surface,
+                numbers: *numbers,
+            };
+            let sample = at.sample_sky(sky, &mut store.counts);
+            self.estimator.environment(&at, &mut store.found);
+            let place = store.sky_samples.len() as u32;
+            store.sky_samples.push(sample);
+            vertices.sky = [place, place + 1];
+        }
+        if !view.scene.delta_lights.is_empty() {
+            view.see_delta_lights(vertices, surface, store);
+        }
+        vertices.boundary = [first, store.found.samples.len() as u32];
+    }
+
+    /// Draws where the paths go on, and stores the vertex.
+    fn leave(
+        &self,
+        path: &mut Path,
+        mut vertices: Vertices,
+        surface: Surface,
+        between: Option<BetweenPlanes>,
+        numbers: Numbers,
+        store: &mut TileStore,
+    ) {
+        let rim = match &between {
+            Some(between) => between.rim(&vertices, &surface),
+            None => Lane::splat(1.0),
+        };
+        let mut next = self
+            .view
+            .sample_lobe(&mut vertices, &surface, rim, &numbers);
+        if let Some(between) = &between {
+            next.active &= between.count(next.direction);
+        }
+        path.rays = next;
+        path.throughput = path.throughput.times(vertices.weight) * (vertices.survival * rim);
+        path.coherence = Coherence::Incoherent;
+        path.previous = Some((surface, rim));
+        store.vertices.push(vertices);
+    }
+
+    /// Whether the paths that have left a vertex need not be followed to another; then what jumps in its lobes is found here.
+    fn ends(
+        &self,
+        path: &mut Path,
+        segments: u32,
+        numbers: Numbers,
+        store: &mut TileStore,
+    ) -> bool {
+        if path.rays.active == 0 {
+            let zero = Lane::splat(0.0);
+            let looks = |v: &Vertices| v.line_survival.gt(zero).to_bits() != 0;
+            if store.vertices.last().is_some_and(looks) {
+                let seen = Seen::Triangles(&[NO_TRIANGLE; LANES]);
+                self.look_over_lobe(path, seen, numbers, store);
+            }
+            return true;
+        }
+        if segments < self.view.limits.max_depth || !self.view.lights.is_empty() {
+            return false;
+        }
+        // Only whether the environment is seen matters: any hit will do.
+        let mut end = Vertices {
+            origin: path.rays.origin,
+            direction: path.rays.direction,
+            throughput: path.throughput,
+            escaped: self.view.unoccluded(&path.rays, &mut store.counts.bounce),
+            ..Vertices::default()
+        };
+        self.weigh_emission(&mut end, path, store);
+        self.look_over_lobe(path, Seen::Environment(end.escaped), numbers, store);
+        store.vertices.push(end);
+        true
+    }
+
+    /// Has the estimator find what jumps over the lobes of the vertex stored last, whose bounces have been traced.
+    fn look_over_lobe(&self, path: &Path, seen: Seen, numbers: Numbers, store: &mut TileStore) {
+        let TileStore {
+            vertices, found, ..
+        } = store;
+        let (Some((surface, _)), Some(vertices)) = (&path.previous, vertices.last_mut()) else {
+            return;
+        };
+        let at = At {
+            view: self.view,
+            vertices,
+            surface,
+            numbers,
+        };
+        let bounce = Bounce {
+            rays: &path.rays,
+            seen,
+        };
+        self.estimator.lobe(&at, &bounce, found);
+        vertices.boundary[1] = found.samples.len() as u32;
+    }
+
+    /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
+    fn weigh_emission(&self, vertices: &mut Vertices, path: &Path, store: &TileStore) {
+        let (Some((surface, rim)), Some(from)) = (&path.previous, store.vertices.last()) else {
+            return;
+        };
+        let view = self.view;
+        let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
+        let one = Lane::splat(1.0);
+        vertices.emission_weight = one;
+        if !view.lights.is_empty() && vertices.hit != 0 {
+            vertices.sampled = drawn & vertices.hit;
+            let (weight, value) = view.sampled_emission(vertices, from, surface);
+            let sampled = lane_mask(vertices.sampled);
+            vertices.emission_weight = <Lane as Real>::select(sampled, weight, one);
+            vertices.sampled_value = value * *rim;
+        }
+        let escaped = drawn & vertices.escaped;
+        if let (Some(sky), true) = (view.sky, escaped != 0) {
+            let (weight, value) = view.sampled_sky(sky, vertices, from, surface);
+            let lanes = lane_mask(escaped);
+            vertices.sampled |= escaped;
+            vertices.emission_weight =
+                <Lane as Real>::select(lanes, weight, vertices.emission_weight);
+            vertices.sampled_value = V3::select(lanes, value * *rim, vertices.sampled_value);
+        }
+    }
+}

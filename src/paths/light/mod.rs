@@ -1,0 +1,5 @@
+//! Lights of a finite extent, and delta lights: next-event estimation.
+
+pub mod delta;
+pub mod patches;
+pub mod sample;

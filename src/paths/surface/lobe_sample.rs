@@ -1,0 +1,303 @@
+//! Where paths go on: drawing a lobe and a direction.
+
+use crate::kernels::frame::direction_from_local;
+use crate::kernels::fresnel::fresnel_dielectric;
+use crate::kernels::interface::interface_bounce;
+use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::at::Numbers;
+use crate::paths::rays::{RayPacket, lane_mask, lane_of};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::{Lobes, Vertices};
+use crate::paths::surface::microfacet_sample::{pdf_normal, visible_normal};
+use crate::paths::surface::vertex::Surface;
+use glam::DVec3;
+
+/// Chance to go on from surfaces that are black at present, but asked about.
+const LEAST_SURVIVAL: f32 = 0.1;
+/// Neither of a plastic's two lobes is drawn more rarely than this.
+const LEAST_CHANCE: f32 = 0.1;
+
+/// From this many segments on, paths without Russian roulette (those of finite differences) go on with a chance that
+/// depends on nothing, and so jumps with nothing: otherwise those in a closed room would never end.
+const LONG: u32 = 128;
+const LONG_SURVIVAL: f32 = 0.9;
+
+impl SceneView<'_> {
+    /// Draws the next direction and decides who goes on and who looks for silhouettes. Only a part `rim` of the directions
+    /// that a diffuse lobe may draw is wanted, those nearest to the horizon (1: all).
+    pub fn sample_lobe(
+        &self,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        rim: Lane,
+        numbers: &Numbers,
+    ) -> RayPacket {
+        let (u, v) = numbers.pair(2);
+        let one = Lane::splat(1.0);
+        let u = <Lane as Real>::select(rim.lt(one), one - rim * (one - u), u);
+        vertices.local = cosine_direction(u, v);
+        let direction = if surface.interface.is_none() {
+            vertices.weight = vertices.colour;
+            let [lx, ly, lz] = vertices.local;
+            direction_from_local(surface.n, lx, ly, lz)
+        } else {
+            let (choice, _) = numbers.pair(3);
+            self.draw_lobes(vertices, surface, [u, v], choice);
+            self.bounce_direction(vertices, surface)
+        };
+        let alive = self.roulette(vertices, numbers);
+        RayPacket::leaving(surface.x, surface.geometric, direction, alive)
+    }
+
+    /// Which paths go on, and which vertices look for silhouettes over their lobes; sets the weights of both.
+    fn roulette(&self, vertices: &mut Vertices, numbers: &Numbers) -> u32 {
+        let depth = numbers.depth;
+        let zero = Lane::splat(0.0);
+        let weight = vertices.throughput.times(vertices.weight);
+        let brightest = weight.x.max(weight.y).max(weight.z);
+        let mut alive = lane_mask(vertices.hit) & brightest.gt(zero);
+        if self.limits.black_goes_on {
+            // A black surface reflects nothing, but more if its colour changes.
+            alive = lane_mask(vertices.hit & !vertices.kinds.black);
+        }
+        // Bounces below the horizon end, but what the lobe sees above it may still jump.
+        let rough = (vertices.lobes.reflected | vertices.lobes.refracted) & !vertices.kinds.smooth;
+        let arrives = vertices.throughput;
+        let arrives = arrives.x.max(arrives.y).max(arrives.z);
+        let mut looks = alive | (lane_mask(vertices.hit & rough) & arrives.gt(zero));
+        let mut survival = Lane::splat(1.0);
+        let mut line_survival = survival;
+        if depth + 1 >= self.limits.rr_depth {
+            let least = if self.limits.black_goes_on {
+                LEAST_SURVIVAL
+            } else {
+                0.0
+            };
+            let chance = |brightest: Lane| {
+                let least = Lane::splat(least);
+                brightest.max(least).min(Lane::splat(0.95))
+            };
+            let (u, _) = numbers.pair(4);
+            let [of_path, of_line] = [
+                chance(brightest),
+                chance(<Lane as Real>::select(alive, brightest, arrives)),
+            ];
+            alive = alive & u.lt(of_path);
+            looks = looks & u.lt(of_line);
+            survival = Lane::splat(1.0) / of_path;
+            line_survival = Lane::splat(1.0) / of_line;
+        } else if depth + 1 >= LONG {
+            let (u, _) = numbers.pair(4);
+            let goes_on = u.lt(Lane::splat(LONG_SURVIVAL));
+            (alive, looks) = (alive & goes_on, looks & goes_on);
+            survival = Lane::splat(1.0 / LONG_SURVIVAL);
+            line_survival = survival;
+        }
+        vertices.survival = <Lane as Real>::select(alive, survival, zero);
+        vertices.line_survival = <Lane as Real>::select(looks, line_survival, zero);
+        alive.to_bits()
+    }
+
+    /// The kernel at θ₀: the next direction; sets the weight.
+    fn bounce_direction(&self, vertices: &mut Vertices, surface: &Surface) -> V3<Lane> {
+        let Some(interface) = &surface.interface else {
+            return surface.n;
+        };
+        let [lx, ly, lz] = vertices.local;
+        let m = vertices.kinds.masks();
+        let Lobes {
+            diffuse,
+            reflected,
+            refracted,
+        } = vertices.lobes;
+        let (next, weight) = interface_bounce(
+            surface.n,
+            vertices.direction,
+            lx,
+            ly,
+            lz,
+            *interface,
+            self.transmission(vertices, surface, lz),
+            lane_mask(diffuse),
+            lane_mask(reflected),
+            lane_mask(refracted),
+            m.conductor,
+            m.plastic,
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+            m.entering,
+        );
+        vertices.weight = weight * vertices.inverse_density;
+        next
+    }
+
+    /// Sets the lobe, its coordinate and its density in lanes that are more than diffuse.
+    fn draw_lobes(
+        &self,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        [u, v]: [Lane; 2],
+        choice: Lane,
+    ) {
+        let [u, v, choice] = [u, v, choice].map(Lane::to_array);
+        let [mut lx, mut ly, mut lz] = vertices.local.map(Lane::to_array);
+        let mut density = [1.0f32; LANES];
+        let mut chances = [1.0f32; LANES];
+        let mut lobes = Lobes::default();
+        let kinds = vertices.kinds;
+        for lane in 0..LANES {
+            let bit = 1u32 << lane;
+            if kinds.special() & bit == 0 {
+                lobes.diffuse |= bit;
+                continue;
+            }
+            if kinds.null & bit != 0 {
+                continue;
+            }
+            let view = View::of_lane(vertices, surface, lane);
+            if kinds.plastic & bit != 0 {
+                let chance = view.specular_chance;
+                if choice[lane] >= chance {
+                    lobes.diffuse |= bit;
+                    chances[lane] = 1.0 - chance;
+                    continue;
+                }
+                chances[lane] = chance;
+            }
+            let h = if kinds.smooth & bit != 0 {
+                DVec3::Z
+            } else {
+                let h = visible_normal(view.wi, view.alpha, [u[lane], v[lane]].map(f64::from));
+                density[lane] = pdf_normal(view.wi, h, view.alpha) as f32;
+                h
+            };
+            (lx[lane], ly[lane], lz[lane]) = (h.x as f32, h.y as f32, h.z as f32);
+            if kinds.dielectric & bit != 0 {
+                let ratio = if kinds.inside & bit != 0 {
+                    1.0 / view.eta
+                } else {
+                    view.eta
+                };
+                let reflected = fresnel_dielectric(view.wi.dot(h).max(1e-6), ratio) as f32;
+                if choice[lane] >= reflected {
+                    lobes.refracted |= bit;
+                    chances[lane] = 1.0 - reflected;
+                    continue;
+                }
+                chances[lane] = reflected;
+            }
+            lobes.reflected |= bit;
+        }
+        vertices.lobes = lobes;
+        vertices.local = [lx, ly, lz].map(Lane::new);
+        let one = Lane::splat(1.0);
+        vertices.lobe_chance = Lane::new(chances);
+        let density = Lane::new(density) * vertices.lobe_chance;
+        let zero = Lane::splat(0.0);
+        vertices.inverse_density = <Lane as Real>::select(density.gt(zero), one / density, zero);
+    }
+
+    /// Density over solid angle of the bounce's direction `d` (unit) over its cosine to the normal, of all lobes that light
+    /// samples light too.
+    pub fn bounce_pdf_over_cos(&self, vertices: &Vertices, surface: &Surface, d: V3<Lane>) -> Lane {
+        let diffuse = std::f32::consts::FRAC_1_PI;
+        if surface.interface.is_none() {
+            return Lane::splat(std::f32::consts::FRAC_1_PI);
+        }
+        let kinds = vertices.kinds;
+        Lane::new(std::array::from_fn(|lane| {
+            let bit = 1u32 << lane;
+            if kinds.special() & bit == 0 {
+                return diffuse;
+            }
+            if kinds.lit_by_samples() & bit == 0 {
+                return 0.0;
+            }
+            let view = View::of_lane(vertices, surface, lane);
+            let chance = if kinds.plastic & bit != 0 {
+                view.specular_chance
+            } else {
+                1.0
+            };
+            let mut sum = diffuse * (1.0 - chance);
+            if kinds.wide & bit != 0 {
+                let n = lane_of(surface.n, lane).as_dvec3();
+                let d = lane_of(d, lane).as_dvec3();
+                let cos = n.dot(d);
+                if cos > 0.0 {
+                    let h = (view.world + d).normalize();
+                    let sin2 = n.cross(h).length_squared();
+                    let facets = facet_density(1.0 - sin2, sin2, view.alpha, true)
+                        * unhidden_over_cos(view.wi.z, view.alpha, true);
+                    sum += chance * (facets / (4.0 * cos)) as f32;
+                }
+            }
+            sum
+        }))
+    }
+}
+
+/// One lane of a surface, seen from the ray that arrived.
+pub struct View {
+    /// Toward where the ray came from, unit, in the frame of the shading normal, above its horizon.
+    pub wi: DVec3,
+    /// The same in the world.
+    pub world: DVec3,
+    pub alpha: f64,
+    pub eta: f64,
+    /// Of a plastic: chance that its specular lobe is drawn.
+    pub specular_chance: f32,
+}
+
+impl View {
+    pub fn of_lane(vertices: &Vertices, surface: &Surface, lane: usize) -> Self {
+        let world = -lane_of(vertices.direction, lane).as_dvec3().normalize();
+        let frame = frame_of_lane(surface, lane);
+        let mut wi = DVec3::from(frame.map(|axis| axis.dot(world)));
+        wi.z = wi.z.max(1e-6);
+        let Some(s) = &surface.interface else {
+            return Self {
+                wi,
+                world,
+                alpha: 1.0,
+                eta: 1.0,
+                specular_chance: 0.0,
+            };
+        };
+        let eta = s.eta.x.to_array()[lane] as f64;
+        let mut specular_chance = 0.0;
+        if vertices.kinds.plastic >> lane & 1 == 1 {
+            // As Mitsuba weighs them: by the mean reflectances, and by what the interface reflects here.
+            let mean = |v: V3<Lane>| lane_of(v, lane).element_sum().max(1e-6);
+            let (diffuse, specular) = (mean(s.colour), mean(s.second));
+            let reflected = fresnel_dielectric(wi.z, eta) as f32;
+            let (a, b) = (reflected * specular, (1.0 - reflected) * diffuse);
+            specular_chance = (a / (a + b)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE);
+        }
+        Self {
+            wi,
+            world,
+            alpha: s.alpha.to_array()[lane] as f64,
+            eta,
+            specular_chance,
+        }
+    }
+}
+
+/// The axes of a lane's shading frame.
+pub fn frame_of_lane(surface: &Surface, lane: usize) -> [DVec3; 3] {
+    let n = crate::discontinuity::boundary::vector(lane_of(surface.n, lane).as_dvec3());
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|[x, y, z]| crate::discontinuity::boundary::dvec3(direction_from_local(n, x, y, z)))
+}
+
+/// A cosine-distributed direction about +z from two uniform numbers.
+pub fn cosine_direction(u: Lane, v: Lane) -> [Lane; 3] {
+    let radius = u.sqrt();
+    let angle = v * Lane::splat(std::f32::consts::TAU);
+    let (sin, cos) = angle.sin_cos();
+    let up = (Lane::splat(1.0) - u).max(Lane::splat(0.0)).sqrt();
+    [radius * cos, radius * sin, up]
+}

@@ -1,0 +1,8 @@
+//! Surfaces: where rays end, what is there, and where paths go on.
+
+pub mod lobe_sample;
+pub mod materials;
+pub mod microfacet_sample;
+pub mod rough_transmission;
+pub mod texture;
+pub mod vertex;

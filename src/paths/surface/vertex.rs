@@ -1,0 +1,181 @@
+//! Where rays end: positions, normals, and what is there.
+
+use crate::kernels::interface::{Interface, RoughTransmission, consistent_normal, interface_value};
+use crate::kernels::normal::{face_normal, shading_normal};
+use crate::kernels::triangle::triangle_hit;
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::rays::{lane_mask, lane_of, masked};
+use crate::paths::scene_view::SceneView;
+use crate::paths::store::Vertices;
+use crate::paths::surface::materials::LightKind;
+use crate::scene::Rgb;
+use crate::trace::geometry::NO_TRIANGLE;
+
+/// Where a packet ended, seen from the next ray to leave.
+pub struct Surface {
+    pub x: V3<Lane>,
+    /// Unit shading normal, on the side the ray came from.
+    pub n: V3<Lane>,
+    /// Unit geometric normal, as the triangle is wound.
+    pub geometric: V3<Lane>,
+    pub b: [Lane; 2],
+    /// Given if any lane is more than diffuse.
+    pub interface: Option<Interface<Lane>>,
+}
+
+impl SceneView<'_> {
+    /// Position, normals and materials where the rays end; sets `facing`, `kinds` and `colour`.
+    pub fn surface(&self, vertices: &mut Vertices) -> Surface {
+        let corners = self.geometry.corners(&vertices.triangle);
+        let [v0, v1, v2] = self.geometry.gather_positions(&corners);
+        let (o, d) = (vertices.origin, vertices.direction);
+        let (t, b1, b2) = triangle_hit(o, d, v0, v1, v2);
+        let geometric = face_normal(v0, v1, v2);
+        let mut n = geometric;
+        let smooth = self.smooth_lanes(&vertices.triangle);
+        if smooth != 0 {
+            let [n0, n1, n2] = self.geometry.gather_normals(&corners);
+            n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
+        }
+        // The side that is seen is the triangle's, not the shading normal's: where that turns away at grazing angles a
+        // one-sided surface would be black in a rim whose border is no edge of any mesh.
+        let side = -(geometric.dot(d).signum());
+        vertices.facing = side * (n.dot(geometric).signum());
+        n = n * vertices.facing;
+        vertices.kinds = self.materials.kinds(
+            self.scene,
+            self.geometry,
+            &vertices.triangle,
+            vertices.facing,
+        );
+        let special = vertices.kinds.special();
+        if special & smooth != 0 {
+            n = V3::select(lane_mask(special & smooth), consistent_normal(n, d), n);
+        }
+        let b = [b1, b2];
+        let interface = if special != 0 || self.materials.any_texture {
+            let interface = self.materials.interface(
+                self.scene,
+                self.geometry,
+                &vertices.triangle,
+                &vertices.kinds,
+                b,
+            );
+            vertices.colour = interface.colour;
+            (special != 0).then_some(interface)
+        } else {
+            let black = vertices.kinds.black;
+            vertices.colour = self.per_lane(&vertices.triangle, |mesh, lane| {
+                let bsdf = &self.scene.materials[self.scene.meshes[mesh].material].bsdf;
+                match bsdf.colour() {
+                    Some(t) if black >> lane & 1 == 0 => self.scene.constant(t),
+                    _ => [0.0; 3],
+                }
+            });
+            None
+        };
+        Surface {
+            x: o + d * t,
+            n,
+            geometric,
+            b,
+            interface,
+        }
+    }
+
+    /// Lanes whose triangle is shaded smoothly.
+    pub fn smooth_lanes(&self, triangle: &[u32; LANES]) -> u32 {
+        if self.geometry.normals.is_empty() {
+            return 0;
+        }
+        (0..LANES).fold(0, |bits, l| {
+            let t = triangle[l];
+            let smooth = t != NO_TRIANGLE
+                && self.geometry.smooth[self.geometry.mesh_of_triangle[t as usize] as usize];
+            bits | (smooth as u32) << l
+        })
+    }
+
+    /// A colour of each lane's mesh; zero where there is none.
+    pub fn per_lane(&self, triangle: &[u32; LANES], of: impl Fn(usize, usize) -> Rgb) -> V3<Lane> {
+        let mut rgb = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            if triangle[lane] != NO_TRIANGLE {
+                let value = of(
+                    self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize,
+                    lane,
+                );
+                for c in 0..3 {
+                    rgb[c][lane] = value[c];
+                }
+            }
+        }
+        let [x, y, z] = rgb.map(Lane::new);
+        V3 { x, y, z }
+    }
+
+    /// Whether a lane's ray meets the side of the triangle from which it is wound counter-clockwise.
+    pub fn sees_front(&self, vertices: &Vertices, lane: usize) -> bool {
+        let [p, q, r] = self.geometry.triangles[vertices.triangle[lane] as usize]
+            .map(|v| self.geometry.positions[v as usize]);
+        lane_of(vertices.direction, lane).dot((q - p).cross(r - p)) < 0.0
+    }
+
+    /// What rough plastics let through on the way to directions at cosine `cos_out`.
+    pub fn transmission(
+        &self,
+        vertices: &Vertices,
+        surface: &Surface,
+        cos_out: Lane,
+    ) -> RoughTransmission<Lane> {
+        let cos_in = -(vertices.direction.normalize().dot(surface.n));
+        self.materials.transmission(
+            self.scene,
+            self.geometry,
+            &vertices.triangle,
+            &vertices.kinds,
+            cos_in,
+            cos_out,
+        )
+    }
+
+    /// π times the BSDF for light of this kind that arrives along `w`.
+    pub fn value_toward(
+        &self,
+        vertices: &Vertices,
+        surface: &Surface,
+        w: V3<Lane>,
+        light: LightKind,
+    ) -> V3<Lane> {
+        let Some(interface) = &surface.interface else {
+            return vertices.colour;
+        };
+        let cos_out = surface.n.dot(w.normalize());
+        let m = vertices.kinds.masks();
+        let [lit, lobes] = vertices.kinds.lit_by(light);
+        let value = interface_value(
+            surface.n,
+            vertices.direction,
+            w,
+            *interface,
+            self.transmission(vertices, surface, cos_out),
+            m.conductor,
+            m.plastic,
+            lane_mask(lobes),
+            m.smooth,
+            m.ggx,
+            m.nonlinear,
+        );
+        masked(lit, value)
+    }
+
+    /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were not.
+    pub fn reflects_nothing(&self, vertices: &Vertices) -> u32 {
+        if self.limits.black_goes_on {
+            return vertices.kinds.black;
+        }
+        let c = vertices.colour;
+        let is_black = c.x.max(c.y).max(c.z).le(Lane::splat(0.0));
+        is_black.to_bits() & !vertices.kinds.special()
+    }
+}
