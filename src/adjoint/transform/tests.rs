@@ -1,9 +1,6 @@
 //! The source transformation itself: what it writes, what it refuses, and where it says so.
 
-#[path = "../src/adjoint/transform/mod.rs"]
-mod transform;
-
-use transform::{Library, adjoint_source, check_source};
+use super::{Library, adjoint_source, check_source};
 
 fn library(files: &[(&str, &str)]) -> Result<Library, String> {
     let files: Vec<_> = files
