@@ -2,25 +2,11 @@
 
 use crate::jobs::{assert_same_files, result, run, write};
 use crate::workplace::workplace;
-use serde_json::json;
+use serde_json::{Value, json};
 
-#[test]
-fn a_job_gives_the_bytes_of_the_single_command() {
-    let directory = workplace();
-    let at = directory.path();
-    let common = "--spp 16 --seed 7 --resolution 40x30 --max-depth 3 -D filter=gaussian";
-    crate::workplace::npy(
-        at,
-        "wide.npy",
-        "<f4",
-        "(30, 40, 3)",
-        &crate::workplace::floats(3600, 0.4),
-    );
-    let shared = json!({
-        "scene": "s.xml", "spp": 16, "seed": 7, "resolution": [40, 30], "max_depth": 3,
-        "defines": {"filter": "gaussian"}
-    });
-    let cases = [
+/// Names, the command, and the job without what all share.
+fn cases() -> [(&'static str, String, Value); 7] {
+    [
         ("render", "render s.xml".to_string(), json!({"mode": "render"})),
         (
             "forward",
@@ -55,7 +41,36 @@ fn a_job_gives_the_bytes_of_the_single_command() {
             "backward s.xml --sensor 1 --param second.rotation --adjoint wide.npy".into(),
             json!({"mode": "backward", "params": ["second.rotation"], "adjoint": "wide.npy", "sensor": 1, "resolution": "40x30"}),
         ),
-    ];
+    ]
+}
+
+/// What the batch says of a job is what the report of the single command says.
+fn assert_same_words(said: &Value, report: &Value, id: &str) {
+    assert_eq!(said["rays"], report["rays"], "{id}");
+    assert_eq!(said["scene_hash"], report["scene"]["hash"], "{id}");
+    assert_eq!(said["loss"], report["results"]["loss"], "{id}");
+    if let Some(norms) = report["results"].get("norms") {
+        assert_eq!(said["norms"], *norms, "{id}");
+    }
+}
+
+#[test]
+fn a_job_gives_the_bytes_of_the_single_command() {
+    let directory = workplace();
+    let at = directory.path();
+    let common = "--spp 16 --seed 7 --resolution 40x30 --max-depth 3 -D filter=gaussian";
+    crate::workplace::npy(
+        at,
+        "wide.npy",
+        "<f4",
+        "(30, 40, 3)",
+        &crate::workplace::floats(3600, 0.4),
+    );
+    let shared = json!({
+        "scene": "s.xml", "spp": 16, "seed": 7, "resolution": [40, 30], "max_depth": 3,
+        "defines": {"filter": "gaussian"}
+    });
+    let cases = cases();
     let jobs: Vec<_> = cases
         .iter()
         .map(|(id, _, job)| {
@@ -80,18 +95,12 @@ fn a_job_gives_the_bytes_of_the_single_command() {
             run(at, &line, 0);
             assert_same_files(&at.join("single"), &at.join(&output).join(id));
             let report = std::fs::read(at.join("single/report.json")).unwrap();
-            let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
-            let said = result(&at.join(&output), id);
-            assert_eq!(said["rays"], report["rays"], "{id}");
-            assert_eq!(said["scene_hash"], report["scene"]["hash"], "{id}");
-            assert_eq!(said["loss"], report["results"]["loss"], "{id}");
-            if let Some(norms) = report["results"].get("norms") {
-                assert_eq!(said["norms"], *norms, "{id}");
-            }
+            let report: Value = serde_json::from_slice(&report).unwrap();
+            assert_same_words(&result(&at.join(&output), id), &report, id);
             std::fs::remove_dir_all(at.join("single")).unwrap();
         }
         let report = std::fs::read(at.join(&output).join("report.json")).unwrap();
-        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        let report: Value = serde_json::from_slice(&report).unwrap();
         assert_eq!(report["summary"]["jobs"], cases.len());
         assert_eq!(
             report["summary"]["scene_loads"], 1,

@@ -5,10 +5,9 @@ use crate::workplace::workplace;
 
 const GOOD: &str = r#"{"id":"good","mode":"render","scene":"s.xml"}"#;
 
-#[test]
-fn bad_lines_fail_alone() {
-    let directory = workplace();
-    let at = directory.path();
+/// Lines, the code with which each fails, and what its message says.
+// Long: one table, a line in each row.
+fn bad_lines() -> Vec<(String, i32, &'static str)> {
     let job = |rest: &str| format!(r#"{{"id":"x","scene":"s.xml",{rest}}}"#);
     let forward = |rest: &str| job(&format!(r#""mode":"forward","params":{{{rest}}}"#));
     let backward = |rest: &str| {
@@ -17,7 +16,7 @@ fn bad_lines_fail_alone() {
         ))
     };
     let set = |rest: &str| job(&format!(r#""mode":"render","set":{{{rest}}}"#));
-    let cases = [
+    vec![
         ("rubbish".to_string(), 3, "expected value (column 1)"),
         ("{}".into(), 3, "missing field `id`"),
         (
@@ -213,8 +212,14 @@ fn bad_lines_fail_alone() {
             3,
             "id: good is that of line 1 already",
         ),
-    ];
-    for (number, (line, code, part)) in cases.iter().enumerate() {
+    ]
+}
+
+#[test]
+fn bad_lines_fail_alone() {
+    let directory = workplace();
+    let at = directory.path();
+    for (number, (line, code, part)) in bad_lines().iter().enumerate() {
         let output = format!("out-{number}");
         std::fs::write(at.join("jobs.jsonl"), format!("{GOOD}\n\n{line}\n")).unwrap();
         let out = run(at, &format!("batch jobs.jsonl -o {output} -t 1"), 5);

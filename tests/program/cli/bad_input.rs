@@ -2,6 +2,7 @@
 
 use crate::workplace::{expect, workplace};
 
+// Long: one table, a command in each row.
 #[test]
 fn bad_input_is_told() {
     let directory = workplace();
