@@ -2,15 +2,12 @@
 //!
 //! `cargo bench --bench embree_rays`; the figures of one machine are in `docs/embree.md`.
 
+use common::shapes::{self, Random, icosphere};
 use glam::Vec3;
-use shapes::{Random, icosphere};
 use std::{hint::black_box, time::Instant};
 use warpath::trace::{
     Accel, AccelOptions, Coherence, Hits, MISS, MeshView, Rays, all_lanes, floor::floor,
 };
-
-#[path = "../tests/common/shapes.rs"]
-mod shapes;
 
 /// Rays a side of the square of primary rays.
 const SIDE: usize = 256;

@@ -8,9 +8,7 @@ use std::time::Instant;
 use warpath::trace::tightness::Tightness;
 use warpath::trace::{Accel, AccelOptions, Coherence, Hits, MeshView, Rays, all_lanes};
 
-#[path = "../tests/common/shapes.rs"]
-mod shapes;
-use shapes::{Random, icosphere};
+use common::shapes::{Random, icosphere};
 
 const LANES: usize = 16;
 const PACKETS: usize = 1 << 13;

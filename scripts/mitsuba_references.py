@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Renders scenes/materials/*.xml with Mitsuba 3 and writes what comes out to tests/materials/NAME.txt.
+"""Renders scenes/materials/*.xml with Mitsuba 3 and writes what comes out to tests/scene/mitsuba/NAME.txt.
 
 Needs `pip install mitsuba numpy` (made with Mitsuba 3.9.1). Usage, from anywhere:
 
     python scripts/mitsuba_references.py                # all scenes, about five minutes of two cores
     python scripts/mitsuba_references.py plastic null   # some
     python scripts/mitsuba_references.py --pictures     # scenes/materials/textures/ instead
-    python scripts/mitsuba_references.py --keys         # tests/materials/keys.txt instead: names of parameters
+    python scripts/mitsuba_references.py --keys         # tests/scene/mitsuba/keys.txt instead: names of parameters
 
 Each scene is rendered once for each of SEEDS seeds, independent of each other. A line of a file is a block of 8×8
 pixels: its row and column from the top left, the means of its r, g, b, and their standard errors, which come from the
@@ -28,7 +28,7 @@ mi.set_log_level(mi.LogLevel.Error)
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ROOT / "scenes" / "materials"
-OUT = ROOT / "tests" / "materials"
+OUT = ROOT / "tests" / "scene" / "mitsuba"
 
 SEEDS = 32
 BLOCK = 8

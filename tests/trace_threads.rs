@@ -1,12 +1,10 @@
 //! How many threads a build starts: alone in its process, so that nobody else's are counted.
 #![cfg(target_os = "linux")]
 
+use common::shapes;
 use glam::Vec3;
 use std::time::{Duration, Instant};
 use warpath::trace::{Accel, AccelOptions, Backend, MeshView};
-
-#[path = "common/shapes.rs"]
-mod shapes;
 
 fn threads() -> usize {
     std::fs::read_dir("/proc/self/task")

@@ -9,7 +9,7 @@ use std::{env, fs, io};
 /// Kernels of the crate, and kernels only tests use, with the folder of `OUT_DIR` each goes to.
 const SOURCES: [(&str, &str); 2] = [
     ("src/kernels", "adjoint"),
-    ("tests/kernels", "test_adjoint"),
+    ("tests/adjoint/kernels", "test_adjoint"),
 ];
 
 /// Derives all adjoints. What lies outside the subset fails the build with its place and one sentence.

@@ -6,5 +6,8 @@
 //! `OUT_DIR/adjoint/`.
 
 pub mod ops;
+// The build runs it; here it is only tested.
+#[cfg(test)]
+mod transform;
 
 include!(concat!(env!("OUT_DIR"), "/adjoint/all.rs"));

@@ -1,6 +1,6 @@
 //! Images and gradients of the whole engine on either backend, with the same random numbers.
 
-use crate::common::{Quiet, direction, settings};
+use common::{Quiet, direction, settings};
 use warpath::methods::{self, Image, Method, Settings};
 use warpath::scene::{Scene, load};
 use warpath::trace::Backend;

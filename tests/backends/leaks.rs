@@ -1,7 +1,7 @@
 //! Nothing leaves a closed mesh, wherever it stands and however large it is.
 
 use super::{ask, backends, build};
-use crate::common::shapes::{Random, icosphere};
+use common::shapes::{Random, icosphere};
 use glam::Vec3;
 use warpath::bench::meshes::{Class, generate};
 use warpath::trace::{Backend, MISS, Rays};

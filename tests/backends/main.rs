@@ -1,8 +1,6 @@
 //! The two backends against each other: hits, leaks, gradients.
 #![cfg(all(feature = "embree", feature = "obvhs"))]
 
-#[path = "../common/mod.rs"]
-mod common;
 mod gradients;
 mod hits;
 mod leaks;

@@ -1,5 +1,4 @@
 //! Meshes and random numbers for tests and benches.
-#![allow(dead_code)] // each includer needs some of it
 
 use glam::Vec3;
 use std::collections::HashMap;

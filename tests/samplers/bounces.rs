@@ -1,9 +1,9 @@
 //! Bounces of every material: directions and the chances of lobes.
 
-use super::common::materials::Paint;
-use super::common::optics::*;
-use super::common::swatch::{Bounce, Swatch, bare};
 use super::*;
+use common::materials::Paint;
+use common::optics::*;
+use common::swatch::{Bounce, Swatch, bare};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 use warpath::scene::Distribution::{Beckmann, Ggx};

@@ -1,7 +1,7 @@
 //! Points of area lights.
 
-use super::common::scenes::*;
 use super::*;
+use common::scenes::*;
 use glam::{Vec3, vec3};
 use warpath::lanes::Lane;
 use warpath::paths::light::patches::Lights;

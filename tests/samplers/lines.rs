@@ -1,10 +1,10 @@
 //! Lines on which silhouettes are looked for: how they lie, and how often their points fall between two angles.
 
-use super::common::materials::Paint;
-use super::common::optics::*;
-use super::common::statistics::Estimate;
-use super::common::swatch::{Swatch, bare};
 use super::*;
+use common::materials::Paint;
+use common::optics::*;
+use common::statistics::Estimate;
+use common::swatch::{Swatch, bare};
 use glam::{DVec3, dvec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use warpath::boundary::cells::lobe::line::{LaneSurface, Line, Lobe, line_weight};

@@ -3,12 +3,10 @@
 //! All tests together reject a right sampler with probability 0.01; each gets its share by Šidák's formula. Points of
 //! one stream are stratified, which χ² would call too good: every point here comes from a stream of its own.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod bounces;
 mod lights;
 mod lines;
+mod lobes;
 mod normals;
 mod sky;
 mod streams;

@@ -1,7 +1,7 @@
 //! Microfacet normals, in coordinates in which GGX's own are even.
 
-use super::common::optics::*;
 use super::*;
+use common::optics::*;
 use warpath::paths::surface::microfacet_sample::{pdf_normal, visible_normal, weight};
 use warpath::scene::Distribution::{Beckmann, Ggx};
 

@@ -56,6 +56,8 @@ mod library;
 mod operation;
 mod program;
 mod reverse;
+#[cfg(test)]
+mod tests;
 
 pub use check::check_source;
 pub use emit::adjoint_source;

@@ -1,7 +1,8 @@
 //! Hits against Möller–Trumbore over every triangle, in f64.
 
-use super::{BOTH, every_way, random_rays, shapes::*, views};
+use super::{BOTH, every_way, random_rays, views};
 use crate::trace::{Accel, Hits, MISS, all_lanes};
+use common::shapes::*;
 use glam::{DVec3, Vec3};
 
 /// What brute force in f64 finds, and whether rounding to f32 could change it.

@@ -1,7 +1,8 @@
 //! Rays at shared edges and vertices: what robust mode is for.
 
-use super::{BOTH, every_backend, shapes::*, views};
+use super::{BOTH, every_backend, views};
 use crate::trace::{Accel, AccelOptions, Backend, Coherence, Hits, MISS, Rays, all_lanes};
+use common::shapes::*;
 use glam::Vec3;
 
 /// Rays from within a closed sphere at its vertices and at points of its edges: how many of each there

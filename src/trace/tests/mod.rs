@@ -1,11 +1,9 @@
 use super::*;
+use common::shapes::{Random, Shape, icosphere, soup};
 use glam::Vec3;
-use shapes::{Random, Shape, icosphere, soup};
 
 mod brute_force;
 mod edges;
-#[path = "../../../tests/common/shapes.rs"]
-mod shapes;
 
 const BOTH: [Coherence; 2] = [Coherence::Coherent, Coherence::Incoherent];
 

@@ -1,0 +1,153 @@
+//! The same seed gives the same bytes, however many threads there are and however often it runs.
+
+use common::scenes::*;
+use common::{Direction, Quiet, direction, settings};
+use glam::{Vec3, vec3};
+use warpath::methods::{self, Image, Method, Objective, Settings};
+use warpath::scene::parameters::{self, Parameter};
+use warpath::scene::{Scene, SceneDifferential};
+
+/// More tiles than the threads are given at once, lights, an environment, several bounces.
+fn room() -> Scene {
+    scene(vec3(0.3, -3.4, 1.9), Vec3::ZERO, 38.0, [50, 40], GAUSSIAN)
+        .depth(4)
+        .sky([0.2, 0.3, 0.4])
+        .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
+        .smooth("ball", ball(2, vec3(0.4, 0.2, 0.6), 0.4), [0.3, 0.7, 0.2])
+        .solid(
+            "corner",
+            placed(
+                l_shape(0.4, 0.5),
+                vec3(8.0, 0.0, 30.0),
+                vec3(-0.6, 0.0, 0.1),
+            ),
+            [0.7, 0.3, 0.3],
+        )
+        .light("lamp", ceiling(vec3(0.2, 0.1, 2.2), 0.4), [8.0, 7.0, 6.0])
+}
+
+fn everything_moves(scene: &Scene) -> Direction {
+    direction(
+        scene,
+        &[
+            ("ball.translation", &[1.0, 0.2, 0.3]),
+            ("corner.rotation", &[0.1, 0.2, 1.0]),
+            ("lamp.scale", &[1.0]),
+            ("cam.translation", &[0.3, 0.1, 0.2]),
+            ("floor.bsdf.reflectance.value", &[1.0, 0.5, 0.2]),
+        ],
+    )
+}
+
+fn bits(image: &Image) -> Vec<[u32; 3]> {
+    image.pixels.iter().map(|p| p.map(f32::to_bits)).collect()
+}
+
+/// All numbers of a gradient, bit by bit.
+fn gradient_bits(scene: &Scene, wanted: &[Parameter], gradient: &SceneDifferential) -> Vec<u32> {
+    wanted
+        .iter()
+        .flat_map(|p| parameters::reduce(scene, p, gradient))
+        .map(f32::to_bits)
+        .collect()
+}
+
+/// Everything that a run gives.
+#[derive(PartialEq)]
+struct Outcome {
+    image: Vec<[u32; 3]>,
+    gradient: Vec<[u32; 3]>,
+    stderr: Vec<[u32; 3]>,
+    reverse: Vec<u32>,
+    groups: Vec<Vec<u32>>,
+    rays: Vec<(&'static str, u64)>,
+}
+
+fn run(scene: &Scene, seed: u64, threads: usize) -> Outcome {
+    let settings = Settings {
+        threads,
+        standard_error: true,
+        rr_depth: 3,
+        ..settings(scene, Method::Reparam, 16, seed)
+    };
+    let image = methods::render(scene, &settings, &Quiet)
+        .expect("an image")
+        .image;
+    let forward = methods::forward(scene, &settings, &everything_moves(scene), &Quiet)
+        .expect("a gradient image");
+    let wanted: Vec<Parameter> = parameters::list(scene)
+        .into_iter()
+        .filter(|p| p.differentiable)
+        .collect();
+    let target = Image {
+        pixels: vec![[0.3, 0.2, 0.4]; 50 * 40],
+        width: 50,
+        height: 40,
+    };
+    let reverse = methods::backward(scene, &settings, &wanted, &Objective::L2(&target), &Quiet)
+        .expect("a gradient");
+    Outcome {
+        image: bits(&image),
+        gradient: bits(&forward.gradient),
+        stderr: bits(&forward.stderr.expect("standard errors")),
+        reverse: gradient_bits(scene, &wanted, &reverse.gradient),
+        groups: reverse
+            .groups
+            .iter()
+            .map(|g| gradient_bits(scene, &wanted, g))
+            .collect(),
+        rays: forward
+            .statistics
+            .rays
+            .into_iter()
+            .chain(reverse.statistics.rays)
+            .collect(),
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads_or_repetition() {
+    let scene = room();
+    let one = run(&scene, 5, 1);
+    for threads in [1, 2, 3] {
+        let other = run(&scene, 5, threads);
+        assert!(
+            one.image == other.image,
+            "images differ with {threads} threads"
+        );
+        assert!(
+            one.gradient == other.gradient,
+            "gradient images differ with {threads} threads"
+        );
+        assert!(
+            one.stderr == other.stderr,
+            "standard errors differ with {threads} threads"
+        );
+        assert!(
+            one.reverse == other.reverse,
+            "gradients differ with {threads} threads"
+        );
+        assert!(
+            one == other,
+            "groups or ray counts differ with {threads} threads"
+        );
+    }
+}
+
+#[test]
+fn seeds_differ() {
+    let scene = room();
+    let runs = [5, 6, 5 + (1 << 32)].map(|seed| run(&scene, seed, 2));
+    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+        let (a, b) = (&runs[a], &runs[b]);
+        let differ = |a: &[[u32; 3]], b: &[[u32; 3]]| {
+            a.iter().zip(b).filter(|(a, b)| a != b).count() * 10 > a.len() * 9
+        };
+        assert!(differ(&a.image, &b.image), "two seeds give the same pixels");
+        assert!(
+            differ(&a.gradient, &b.gradient),
+            "two seeds give the same gradient image"
+        );
+        assert!(a.reverse != b.reverse, "two seeds give the same gradient");
+    }
+}

@@ -1,0 +1,50 @@
+//! As `finite_differences`: the edges that pictures have.
+
+use common::comparison::Interior::Fails;
+use common::comparison::*;
+use common::materials::Paint;
+use common::scenes::*;
+use warpath::scene::Distribution::Ggx;
+use warpath::scene::Scene;
+
+fn moved(scene: &Scene, parts: &[(&str, &[f32])]) {
+    check(scene, parts, 64, None, Fails);
+}
+
+#[test]
+fn checkerboard_seen_directly() {
+    let scene = close_up().sky(SKY).checkerboard("floor");
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+    moved(&scene, &[("floor.rotation", &[0.1, 0.2, 1.0])]);
+    moved(&scene, &[("cam.translation", &[1.0, 0.4, 0.1])]);
+}
+
+#[test]
+fn checkerboard_with_a_shadow_on_it() {
+    let scene = shadow().checkerboard("floor");
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+}
+
+/// The block is seen in the floor and lights it.
+#[test]
+fn checkerboard_seen_in_reflections() {
+    let metal = close_up().sky(SKY).depth(3).checkerboard("block");
+    let metal = metal.metal("floor", 0.1, Ggx);
+    moved(&metal, &[("block.rotation", &[0.1, 0.2, 1.0])]);
+    let diffuse = close_up().sky(SKY).depth(3).checkerboard("block");
+    moved(&diffuse, &[("block.rotation", &[0.1, 0.2, 1.0])]);
+}
+
+#[test]
+fn texels_without_a_filter() {
+    let scene = close_up().sky(SKY).picture("floor").unfiltered();
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+}
+
+/// In a plane, where nothing but the picture jumps.
+#[test]
+fn pictures_that_do_not_fit_together() {
+    let scene = close_up().sky(SKY).picture("floor").torn("floor");
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+    moved(&scene, &[("cam.rotation", &[0.1, 0.4, 0.3])]);
+}

@@ -1,0 +1,21 @@
+//! Gradients of whole images: against closed forms, finite differences, and each other.
+
+mod analytic_edge;
+mod analytic_irradiance;
+mod analytic_shadow;
+mod black;
+mod determinism;
+mod finite_differences;
+mod finite_differences_foliage;
+mod finite_differences_indirect;
+mod finite_differences_materials;
+mod finite_differences_pictures;
+mod last_vertex;
+#[cfg(feature = "long-tests")]
+mod long;
+mod needs;
+mod refusals;
+mod standard_errors;
+mod transposition;
+mod transposition_ends;
+mod transposition_materials;

@@ -1,0 +1,319 @@
+//! A run traces and computes only what the requested parameters need.
+
+use common::materials::Paint;
+use common::scenes::*;
+use common::shapes::{Random, soup};
+use common::transposition::rounding;
+use common::{Quiet, direction, flat, settings};
+use glam::vec3;
+use std::collections::BTreeMap;
+use warpath::methods::{Image, Method, Objective, Statistics, backward, forward, render};
+use warpath::scene::Distribution::Ggx;
+use warpath::scene::Scene;
+use warpath::scene::parameters;
+
+type Rays = BTreeMap<&'static str, u64>;
+
+const SPP: u32 = 16;
+
+/// Rays that only look for silhouettes.
+const SEARCHING: [&str; 4] = ["light_cell", "bounce_cell", "sky_cell", "probe"];
+
+/// A block over a floor, and one behind the camera that nothing sees and that throws no shadow anywhere.
+fn room(depth: u32) -> Scene {
+    let block = |to| placed(cuboid(vec3(0.35, 0.2, 0.12)), vec3(12.0, 25.0, 33.0), to);
+    let wall = parallelogram(
+        vec3(-3.0, -4.0, -1.0),
+        vec3(0.0, 0.0, 6.0),
+        vec3(6.0, 0.0, 0.0),
+    );
+    scene(
+        vec3(0.3, -3.4, 1.9),
+        vec3(0.0, 0.0, 0.1),
+        38.0,
+        [16; 2],
+        BOX,
+    )
+    .depth(depth)
+    .solid("floor", floor(1.5, 0.0), [0.6, 0.5, 0.4])
+    .solid("block", block(vec3(0.1, 0.0, 0.75)), [0.3, 0.6, 0.5])
+    .solid("wall", wall, [0.0; 3])
+    .solid("unseen", block(vec3(0.0, -8.0, 0.0)), [0.4; 3])
+    .light("lamp", ceiling(vec3(0.2, 0.1, 2.2), 0.45), [8.0, 7.0, 6.0])
+}
+
+fn rays_of(statistics: &Statistics) -> Rays {
+    statistics.rays.clone()
+}
+
+fn forward_rays(scene: &Scene, parts: &[(&str, &[f32])], method: Method) -> (Vec<f64>, Rays) {
+    let along = direction(scene, parts);
+    let result =
+        forward(scene, &settings(scene, method, SPP, 1), &along, &Quiet).expect("a gradient image");
+    (flat(&result.gradient), rays_of(&result.statistics))
+}
+
+fn backward_rays(scene: &Scene, key: &str) -> (Vec<f32>, Rays) {
+    let wanted = [parameters::find(scene, key).expect("a key")];
+    let weight = Image {
+        width: 16,
+        height: 16,
+        pixels: vec![[1.0, 0.5, 0.3]; 256],
+    };
+    let settings = settings(scene, Method::Reparam, SPP, 1);
+    let result = backward(
+        scene,
+        &settings,
+        &wanted,
+        &Objective::Adjoint(&weight),
+        &Quiet,
+    )
+    .expect("a gradient");
+    (
+        parameters::reduce(scene, &wanted[0], &result.gradient),
+        rays_of(&result.statistics),
+    )
+}
+
+fn count(rays: &Rays, kind: &str) -> u64 {
+    rays.get(kind).copied().unwrap_or(0)
+}
+
+fn assert_searches_nothing(what: &str, rays: &Rays) {
+    for kind in SEARCHING {
+        assert_eq!(count(rays, kind), 0, "{what} traces {kind} rays: {rays:?}");
+    }
+}
+
+/// Colours need the paths of the image and no more.
+#[test]
+fn colours_search_no_silhouettes() {
+    for scene in [room(2), room(4), room(3).sky([0.2; 3])] {
+        let image =
+            render(&scene, &settings(&scene, Method::Reparam, SPP, 1), &Quiet).expect("an image");
+        let image = rays_of(&image.statistics);
+        for key in [
+            "floor.bsdf.reflectance.value",
+            "lamp.emitter.radiance.value",
+        ] {
+            let (gradient, rays) =
+                forward_rays(&scene, &[(key, &[1.0, 0.5, 0.2])], Method::Reparam);
+            assert!(gradient.iter().any(|g| *g != 0.0), "{key} has no gradient");
+            assert_searches_nothing(key, &rays);
+            assert_eq!(rays, image, "{key}: other rays than the image's");
+            let (gradient, rays) = backward_rays(&scene, key);
+            assert!(gradient.iter().all(|g| *g != 0.0), "{key} has no gradient");
+            assert_searches_nothing(key, &rays);
+            assert_eq!(rays, image, "{key}: other rays than the image's");
+        }
+    }
+}
+
+#[test]
+fn interior_searches_no_silhouettes() {
+    let (_, rays) = forward_rays(
+        &room(3),
+        &[("block.translation", &[1.0, 0.0, 0.0])],
+        Method::Interior,
+    );
+    assert_searches_nothing("interior", &rays);
+}
+
+/// A gradient by what nothing sees is zero, exactly.
+#[test]
+fn what_is_not_seen_has_no_gradient() {
+    for scene in [room(2), room(4)] {
+        for (key, values) in [
+            ("unseen.translation", [1.0, 0.5, 0.2].as_slice()),
+            ("unseen.vertex_positions", &[1.0, 0.5, 0.2]),
+            ("unseen.rotation", &[1.0, 0.5, 0.2]),
+            ("unseen.scale", &[1.0]),
+            ("unseen.bsdf.reflectance.value", &[1.0, 0.5, 0.2]),
+        ] {
+            let (gradient, _) = forward_rays(&scene, &[(key, values)], Method::Reparam);
+            assert!(gradient.iter().all(|g| *g == 0.0), "{key} has a gradient");
+            let (gradient, _) = backward_rays(&scene, key);
+            assert!(gradient.iter().all(|g| *g == 0.0), "{key} has a gradient");
+        }
+    }
+}
+
+/// A direction of zeros moves nothing.
+#[test]
+fn nothing_that_moves_has_no_gradient() {
+    let scene = room(3).sky([0.3; 3]);
+    let still: [(&str, &[f32]); 4] = [
+        ("block.translation", &[0.0; 3]),
+        ("cam.rotation", &[0.0; 3]),
+        ("lamp.scale", &[0.0]),
+        ("floor.bsdf.reflectance.value", &[0.0; 3]),
+    ];
+    for method in [Method::Reparam, Method::Interior] {
+        let (gradient, _) = forward_rays(&scene, &still, method);
+        assert!(gradient.iter().all(|g| *g == 0.0), "{}", method.name());
+    }
+    let (gradient, rays) = forward_rays(&scene, &[], Method::Reparam);
+    assert!(gradient.iter().all(|g| *g == 0.0));
+    assert_searches_nothing("no parameter at all", &rays);
+}
+
+/// An adjoint image of zeros pulls back to zero.
+#[test]
+fn no_adjoint_no_gradient() {
+    let scene = room(3);
+    let differentiable = |p: &parameters::Parameter| p.differentiable;
+    let wanted: Vec<_> = parameters::list(&scene)
+        .into_iter()
+        .filter(differentiable)
+        .collect();
+    let weight = Image {
+        width: 16,
+        height: 16,
+        pixels: vec![[0.0; 3]; 256],
+    };
+    let settings = settings(&scene, Method::Reparam, SPP, 1);
+    let result = backward(
+        &scene,
+        &settings,
+        &wanted,
+        &Objective::Adjoint(&weight),
+        &Quiet,
+    )
+    .expect("a gradient");
+    for parameter in &wanted {
+        let gradient = parameters::reduce(&scene, parameter, &result.gradient);
+        assert!(gradient.iter().all(|g| *g == 0.0), "{}", parameter.key);
+    }
+}
+
+/// Each kind of ray is traced where it has something to find.
+#[test]
+fn rays_are_those_that_the_scene_asks_for() {
+    let moving = [("block.translation", [1.0, 0.2, 0.1].as_slice())];
+    let pixels = 16 * 16 * u64::from(SPP);
+
+    let image = render(
+        &room(2),
+        &settings(&room(2), Method::Reparam, SPP, 1),
+        &Quiet,
+    )
+    .expect("an image");
+    let image = rays_of(&image.statistics);
+    assert_eq!(count(&image, "camera"), pixels);
+    assert!(count(&image, "shadow") > 0 && count(&image, "shadow") <= pixels);
+    assert_eq!(
+        count(&image, "bounce"),
+        0,
+        "direct light from lamps needs no bounce"
+    );
+    assert_searches_nothing("an image", &image);
+
+    // Silhouettes on the film and before the lamp; around each tile one more row and column.
+    let (_, direct) = forward_rays(&room(2), &moving, Method::Reparam);
+    assert!(count(&direct, "camera") >= pixels && count(&direct, "camera") < 2 * pixels);
+    assert!(count(&direct, "light_cell") > 0);
+    assert_eq!(
+        count(&direct, "bounce_cell"),
+        0,
+        "nothing arrives by bounces at depth 2 without a sky"
+    );
+    assert_eq!(count(&direct, "bounce"), 0);
+
+    let (_, indirect) = forward_rays(&room(3), &moving, Method::Reparam);
+    assert!(
+        count(&indirect, "bounce_cell") > 0,
+        "indirect light has silhouettes over the hemisphere"
+    );
+
+    // Under the sky alone there is no light to sample.
+    let mut sky = room(2).sky([1.0; 3]);
+    sky.meshes.pop();
+    sky.area_lights.clear();
+    let (_, sky) = forward_rays(&sky, &moving, Method::Reparam);
+    assert_eq!(count(&sky, "shadow") + count(&sky, "light_cell"), 0);
+    assert!(count(&sky, "bounce") > 0 && count(&sky, "bounce_cell") > 0);
+
+    // Only what the camera sees emits: no light falls on anything at depth 1.
+    let (_, seen) = forward_rays(&room(1), &moving, Method::Reparam);
+    let kinds: Vec<_> = seen.keys().copied().filter(|k| *k != "probe").collect();
+    assert_eq!(kinds, ["camera"], "rays at depth 1: {seen:?}");
+}
+
+/// Silhouettes are looked for where one that moves may be found: that changes the rays that are traced, and no gradient. Here
+/// everything counts as moving that a camera at rest sees.
+#[test]
+fn what_rests_is_left_out_and_nothing_else() {
+    let small = |scene: Scene| {
+        let leaf = placed(
+            cuboid(vec3(0.02, 0.15, 0.1)),
+            vec3(10.0, 20.0, 50.0),
+            vec3(-0.5, 0.2, 0.3),
+        );
+        scene.solid("leaf", leaf, [0.5, 0.2, 0.1])
+    };
+    let sky = |scene: Scene| scene.sky([0.2, 0.3, 0.4]);
+    let scenes = [
+        ("lamp", small(room(2))),
+        ("indirect", small(room(4))),
+        ("sky", sky(small(room(3)))),
+        ("sky alone", {
+            let mut scene = sky(small(room(2)));
+            scene.meshes.retain(|m| m.id != "lamp");
+            scene.area_lights.clear();
+            scene
+        }),
+        ("metal", sky(small(room(3))).metal("floor", 0.05, Ggx)),
+        ("map", small(room(3)).sunny()),
+        // Thinner than the film's cells, whose ends both see the grass, which rests.
+        ("grass", {
+            let wire = parallelogram(
+                vec3(-0.5, 0.0, 0.9),
+                vec3(1.0, 0.1, 0.0),
+                vec3(0.0, 0.0, 0.003),
+            );
+            let (positions, triangles) = soup(&mut Random::new(3), 200, 0.3);
+            let grass = (positions.into_iter().map(|p| p * 0.8).collect(), triangles);
+            room(1)
+                .solid("leaf", wire, [0.0; 3])
+                .light("grass", grass, [1.0, 0.5, 0.2])
+        }),
+    ];
+    for (what, scene) in scenes {
+        for moving in ["leaf", "block", "lamp", "floor"] {
+            if scene.meshes.iter().all(|m| m.id != moving) {
+                continue;
+            }
+            let key = format!("{moving}.translation");
+            let own = (key.as_str(), [1.0, 0.3, 0.2].as_slice());
+            let (alone, few) = forward_rays(&scene, &[own], Method::Reparam);
+            let camera: (&str, &[f32]) = ("cam.translation", &[0.0; 3]);
+            let (all, many) = forward_rays(&scene, &[own, camera], Method::Reparam);
+            let largest = all.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            for (a, b) in alone.iter().zip(&all) {
+                let allowed = rounding(scene.integrator.max_depth) * largest;
+                assert!((a - b).abs() <= allowed, "{what}, {moving}: {a} {b}");
+            }
+            let searching = |rays: &Rays| SEARCHING.map(|kind| count(rays, kind)).iter().sum();
+            let [few, many]: [u64; 2] = [searching(&few), searching(&many)];
+            assert!(few <= many, "{what}, {moving}: {few} rays of {many}");
+            if moving == "leaf" {
+                assert!(few < many / 2, "{what}: {few} rays of {many}");
+            }
+        }
+    }
+}
+
+/// The reverse sweep traces no ray: both modes trace the same.
+#[test]
+fn both_modes_trace_the_same_rays() {
+    for depth in [2, 4] {
+        let scene = room(depth);
+        let (_, forward) = forward_rays(
+            &scene,
+            &[("block.translation", &[1.0, 0.2, 0.1])],
+            Method::Reparam,
+        );
+        let (_, backward) = backward_rays(&scene, "block.translation");
+        assert_eq!(forward, backward);
+    }
+}

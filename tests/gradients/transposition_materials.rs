@@ -1,0 +1,77 @@
+//! As `transposition`: every kind of surface, texture and light, and every parameter of each.
+
+use common::materials::Paint;
+use common::scenes::*;
+use common::transposition::transposed;
+use glam::{Vec3, vec3};
+use warpath::methods::Method;
+use warpath::scene::Distribution::{Beckmann, Ggx};
+use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
+
+/// A black lamp out of sight, whose own colour does not matter, and the colours that have been painted over.
+const IDLE: &[&str] = &[
+    "lamp.bsdf.brdf_0.reflectance.value",
+    "floor.bsdf.brdf_0.reflectance.value",
+    "wedge.bsdf.brdf_0.reflectance.value",
+    "narrow.bsdf.brdf_0.reflectance.value",
+    "wide.bsdf.brdf_0.reflectance.value",
+    "glass.bsdf.brdf_0.reflectance.value",
+    "plastic.bsdf.brdf_0.reflectance.value",
+];
+
+/// Narrow and wide metal, rough glass, plastic (smooth if none is given), pictures, the sun and a lamp.
+fn materials(depth: u32, plastic_alpha: Option<f32>) -> Scene {
+    let block = |at: Vec3| placed(cuboid(Vec3::splat(0.25)), vec3(10.0, 20.0, 30.0), at);
+    scene(
+        vec3(0.4, -4.0, 2.2),
+        vec3(0.0, 0.0, 0.3),
+        40.0,
+        [12, 10],
+        GAUSSIAN,
+    )
+    .depth(depth)
+    .solid("floor", floor(1.5, 0.0), [0.5; 3])
+    .smooth("narrow", ball(2, vec3(0.5, -0.1, 0.4), 0.35), [0.5; 3])
+    .solid("wide", block(vec3(-0.6, 0.4, 0.4)), [0.5; 3])
+    .solid("glass", block(vec3(-0.2, -0.8, 0.5)), [0.5; 3])
+    .smooth("plastic", ball(1, vec3(-0.9, -0.5, 0.3), 0.3), [0.5; 3])
+    .smooth("wedge", block(vec3(0.9, 0.8, 0.3)), [0.5; 3])
+    .light("lamp", ceiling(vec3(0.2, 0.1, 2.5), 0.5), [5.0, 6.0, 4.0])
+    .checkerboard("floor")
+    .picture("wedge")
+    .metal("narrow", 0.1, Ggx)
+    .metal("wide", 0.3, Beckmann)
+    .glass("glass", 0.12)
+    .plastic("plastic", plastic_alpha)
+    .sunny()
+}
+
+/// With a point light, whose position can be differentiated where edges are ignored.
+fn with_a_bulb(mut scene: Scene) -> Scene {
+    scene.delta_lights.push(DeltaLight {
+        key: "bulb".into(),
+        kind: DeltaLightKind::Point {
+            position: vec3(0.8, -0.9, 1.6),
+        },
+        power: scene.textures.len(),
+    });
+    scene
+        .textures
+        .push(Texture::constant("bulb.intensity".into(), [2.0, 1.5, 1.0]));
+    scene
+}
+
+#[test]
+fn depth_3() {
+    transposed(&materials(3, Some(0.2)), Method::Reparam, IDLE);
+}
+
+#[test]
+fn depth_4() {
+    transposed(&materials(4, Some(0.2)), Method::Reparam, IDLE);
+}
+
+#[test]
+fn interior_depth_4() {
+    transposed(&with_a_bulb(materials(4, None)), Method::Interior, IDLE);
+}

@@ -1,0 +1,14 @@
+//! `warpath batch` and `warpath merge`.
+
+mod alone;
+mod bad_lines;
+mod disk;
+mod kills;
+mod memory;
+mod resume;
+#[cfg(feature = "long-tests")]
+mod schedulers;
+mod schema;
+mod shards;
+mod stream;
+mod values;

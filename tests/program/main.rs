@@ -1,0 +1,7 @@
+//! The real program, as users and scripts meet it.
+
+mod batch;
+mod cli;
+mod jobs;
+mod memory;
+mod workplace;

@@ -1,0 +1,171 @@
+//! Materials and who shares them.
+
+use super::{colour, scene};
+use glam::Vec2;
+use warpath::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
+
+#[test]
+fn references_share_materials_and_colours_have_many_spellings() {
+    let scene = scene(
+        "<bsdf type=\"diffuse\" id=\"red\"><srgb name=\"reflectance\" value=\"#ff0000\"/></bsdf>\
+         <shape type=\"cube\"><bsdf type=\"twosided\"><ref id=\"red\"/></bsdf></shape>\
+         <shape type=\"cube\"><bsdf type=\"twosided\"><ref id=\"red\"/></bsdf></shape>\
+         <shape type=\"cube\"><ref id=\"grey\"/></shape>\
+         <bsdf type=\"diffuse\" id=\"grey\"><spectrum name=\"reflectance\" value=\"0.25\"/></bsdf>\
+         <shape type=\"cube\"><bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0.75\"/></bsdf></shape>",
+    );
+    let materials: Vec<usize> = scene.meshes.iter().map(|m| m.material).collect();
+    assert_eq!(materials, [0, 0, 1, 2]);
+    assert_eq!(colour(&scene, 0), [1.0, 0.0, 0.0]);
+    assert!(scene.materials[0].two_sided);
+    assert_eq!(
+        (scene.materials[1].key.as_str(), colour(&scene, 1)),
+        ("grey", [0.25; 3])
+    );
+    assert_eq!(colour(&scene, 2), [0.75; 3]);
+}
+
+/// The bsdf `<bsdf type="…">inside</bsdf>` of a scene.
+fn bsdf(plugin: &str, inside: &str) -> (Scene, Bsdf) {
+    let scene = scene(&format!("<bsdf type=\"{plugin}\">{inside}</bsdf>"));
+    let bsdf = scene.materials[0].bsdf;
+    assert!(scene.warnings.len() == 1, "{:?}", scene.warnings);
+    (scene, bsdf)
+}
+
+#[test]
+fn conductors_have_mitsubas_metals() {
+    let (scene, metal) = bsdf("conductor", "");
+    let Bsdf::Conductor {
+        eta,
+        k,
+        specular_reflectance,
+        microfacets: None,
+    } = metal
+    else {
+        panic!("{metal:?}");
+    };
+    // A mirror that reflects everything.
+    assert_eq!(
+        (scene.constant(eta), scene.constant(k)),
+        ([0.0; 3], [1.0; 3])
+    );
+    assert_eq!(scene.constant(specular_reflectance), [1.0; 3]);
+    let gold = "<string name=\"material\" value=\"Au\"/>";
+    let (scene, metal) = bsdf(
+        "roughconductor",
+        &format!(
+            "{gold}<string name=\"distribution\" value=\"GGX\"/><boolean name=\"sample_visible\" value=\"false\"/>"
+        ),
+    );
+    let Bsdf::Conductor {
+        eta,
+        microfacets: Some(Microfacets {
+            distribution,
+            alpha,
+        }),
+        ..
+    } = metal
+    else {
+        panic!("{metal:?}");
+    };
+    assert_eq!(distribution, Distribution::Ggx);
+    assert_eq!(scene.constant(eta), [0.14303598, 0.37530708, 1.4420453]);
+    let alpha = &scene.textures[alpha];
+    assert_eq!((alpha.texels[0], alpha.channels), ([0.1; 3], 1));
+    assert_eq!(alpha.key, "RoughConductor.alpha");
+    let (scene, metal) = bsdf("conductor", "<rgb name=\"eta\" value=\"0.2 0.9 1.1\"/>");
+    let Bsdf::Conductor { eta, k, .. } = metal else {
+        panic!("{metal:?}");
+    };
+    assert_eq!(
+        (scene.constant(eta), scene.constant(k)),
+        ([0.2, 0.9, 1.1], [1.0; 3])
+    );
+}
+
+#[test]
+fn roughness_is_at_least_mitsubas() {
+    let alpha = |inside: &str| {
+        let (scene, metal) = bsdf("roughconductor", inside);
+        let rough = metal.slots().into_iter().find(|s| s.0 == "alpha");
+        scene.constant(rough.expect("a rough metal").1)[0]
+    };
+    assert_eq!(alpha("<float name=\"alpha\" value=\"0\"/>"), 1e-4);
+    assert_eq!(alpha("<spectrum name=\"alpha\" value=\"0.3\"/>"), 0.3);
+    let both = "<float name=\"alpha_u\" value=\"0.25\"/><float name=\"alpha_v\" value=\"0.25\"/>";
+    assert_eq!(alpha(both), 0.25);
+}
+
+#[test]
+fn interfaces_take_indices_by_name_and_number() {
+    let eta = |plugin: &str, inside: &str| {
+        let (scene, bsdf) = bsdf(plugin, inside);
+        let slot = bsdf.slots().into_iter().find(|s| s.0 == "eta");
+        let texture = &scene.textures[slot.expect("an interface").1];
+        assert_eq!(texture.channels, 1);
+        texture.texels[0][0]
+    };
+    assert!((eta("dielectric", "") - 1.504_183).abs() < 1e-6);
+    assert!((eta("plastic", "") - 1.489_587).abs() < 1e-6);
+    let diamond =
+        "<string name=\"int_ior\" value=\"Diamond\"/><float name=\"ext_ior\" value=\"1\"/>";
+    assert_eq!(eta("roughdielectric", diamond), 2.419);
+    assert_eq!(
+        eta(
+            "roughplastic",
+            "<float name=\"int_ior\" value=\"1.5\"/><string name=\"ext_ior\" value=\"vacuum\"/>"
+        ),
+        1.5
+    );
+    let (scene, plastic) = bsdf(
+        "roughplastic",
+        "<boolean name=\"nonlinear\" value=\"true\"/><rgb name=\"diffuse_reflectance\" value=\"0.1 0.2 0.3\"/>",
+    );
+    let Bsdf::Plastic {
+        diffuse_reflectance,
+        nonlinear: true,
+        microfacets: Some(_),
+        ..
+    } = plastic
+    else {
+        panic!("{plastic:?}");
+    };
+    assert_eq!(scene.constant(diffuse_reflectance), [0.1, 0.2, 0.3]);
+    assert_eq!(bsdf("null", "").1, Bsdf::Null);
+}
+
+#[test]
+fn a_texture_used_twice_is_one() {
+    let scene = scene(
+        "<texture type=\"checkerboard\" id=\"board\"><rgb name=\"color1\" value=\"1 0 0\"/>\
+         <transform name=\"to_uv\"><scale x=\"4\" y=\"2\"/><rotate z=\"1\" angle=\"90\"/><translate x=\"0.5\" z=\"7\"/></transform></texture>\
+         <shape type=\"rectangle\"><bsdf type=\"diffuse\"><ref id=\"board\" name=\"reflectance\"/></bsdf></shape>\
+         <shape type=\"rectangle\"><bsdf type=\"twosided\"><bsdf type=\"plastic\">\
+         <ref id=\"board\" name=\"diffuse_reflectance\"/></bsdf></bsdf>\
+         <emitter type=\"area\"><ref id=\"board\" name=\"radiance\"/></emitter></shape>",
+    );
+    let board = scene.materials[0].bsdf.colour().unwrap();
+    assert_eq!(scene.materials[1].bsdf.colour(), Some(board));
+    assert_eq!(scene.area_lights[0].radiance, board);
+    let texture = &scene.textures[board];
+    assert_eq!(texture.key, "board");
+    assert_eq!(texture.texels, [[0.4; 3], [1.0, 0.0, 0.0]]);
+    assert_eq!(texture.limits, [0.0, 1.0]);
+    let Layout::Checkerboard { to_uv } = texture.layout else {
+        panic!("{:?}", texture.layout);
+    };
+    let there = to_uv.transform_point2(Vec2::new(1.0, 0.0));
+    assert!((there - Vec2::new(0.5, 4.0)).length() < 1e-5, "{there}");
+}
+
+#[test]
+fn one_bsdf_may_have_one_side_here_and_two_there() {
+    let scene = scene(
+        "<bsdf type=\"diffuse\" id=\"red\"/><shape type=\"cube\"><ref id=\"red\"/></shape>\
+         <shape type=\"cube\"><bsdf type=\"twosided\"><ref id=\"red\"/></bsdf></shape>",
+    );
+    let [one, two] = [0, 1].map(|m: usize| &scene.materials[scene.meshes[m].material]);
+    assert!(!one.two_sided && two.two_sided);
+    assert_eq!(one.bsdf, two.bsdf);
+}

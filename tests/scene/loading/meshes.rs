@@ -1,0 +1,156 @@
+//! Shapes, transformed or from files.
+
+use super::{SENSOR, face_normal, scene, with_files};
+use glam::Vec3;
+use warpath::scene::Normals;
+use warpath::scene::source::Memory;
+
+#[test]
+fn transforms_apply_in_order() {
+    let scene = scene(
+        "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/>\
+         <translate x=\"5\"/><matrix value=\"1 0 0  0 1 0  0 0 1\"/></transform></shape>",
+    );
+    let corner = scene.meshes[0].positions[1];
+    assert!(
+        (corner - Vec3::new(7.0, 2.0, 0.0)).length() < 1e-5,
+        "{corner}"
+    );
+}
+
+#[test]
+fn mirrors_keep_normals_outside_and_flips_turn_them() {
+    let mirror = "<transform name=\"to_world\"><scale x=\"-2\"/></transform>";
+    let flip = "<boolean name=\"flip_normals\" value=\"true\"/>";
+    let scene = scene(&format!(
+        "<shape type=\"sphere\">{mirror}</shape><shape type=\"sphere\">{mirror}{flip}</shape>\
+         <shape type=\"rectangle\">{flip}</shape>"
+    ));
+    for (mesh, sign) in [(0, 1.0), (1, -1.0)] {
+        let triangle = scene.meshes[mesh].triangles[77];
+        let outward = scene.meshes[mesh].positions[triangle[0] as usize];
+        assert!(sign * face_normal(&scene, mesh, 77).dot(outward) > 0.0);
+        let Normals::Computed(normals) = &scene.meshes[mesh].normals else {
+            panic!("a sphere is smooth");
+        };
+        assert!(sign * normals[triangle[0] as usize].dot(outward) > 0.0);
+    }
+    assert_eq!(face_normal(&scene, 2, 0), Vec3::NEG_Z);
+    assert!(
+        scene.warnings[0].contains("subdivided 5 times"),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn given_normals_go_with_the_inverse_transpose() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 1\nvn 0 -1 1\nf 1//1 2//1 3//1\n";
+    let shape = format!(
+        "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/><transform name=\"to_world\">\
+         <scale x=\"-1\" z=\"3\"/></transform></shape>{SENSOR}"
+    );
+    let scene = with_files(&shape, Memory::new().with("s/m.obj", obj), &[]);
+    let Normals::Given(normals) = &scene.meshes[0].normals else {
+        panic!("the file has normals");
+    };
+    assert!((normals[0] - face_normal(&scene, 0, 0)).length() < 1e-6);
+}
+
+#[test]
+fn obj_files_keep_their_vertex_numbers() {
+    let obj = "# unused vertex 1\nmtllib x.mtl\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n\
+               vn 0 0.6 0.8\ng first\nf 2/1/1 3/1/1 4//1 \\\n 5//1\nusemtl red\nf -4//2 -3//1 -2//1\n";
+    let shape = |extra: &str| {
+        format!(
+            "<shape type=\"obj\"><string name=\"filename\" value=\"m.obj\"/>{extra}</shape>{SENSOR}"
+        )
+    };
+    let load = |extra: &str| with_files(&shape(extra), Memory::new().with("s/m.obj", obj), &[]);
+    let smooth = load("");
+    let mesh = &smooth.meshes[0];
+    // Vertex 1 is used with a second normal: it is repeated at the end.
+    assert_eq!(mesh.triangles, [[1, 2, 3], [1, 3, 4], [5, 2, 3]]);
+    assert_eq!(mesh.positions.len(), 6);
+    assert_eq!(mesh.positions[5], mesh.positions[1]);
+    let normals = mesh.normals.vertex().unwrap();
+    assert_eq!(
+        (normals[1], normals[5]),
+        (Vec3::Z, Vec3::new(0.0, 0.6, 0.8))
+    );
+    let flat = load("<boolean name=\"face_normals\" value=\"true\"/>");
+    assert_eq!(flat.meshes[0].positions.len(), 5);
+    assert!(matches!(flat.meshes[0].normals, Normals::Flat));
+}
+
+#[test]
+fn ply_encodings_agree_and_degenerate_faces_are_dropped_with_one_remark() {
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\ncomment x\nelement vertex 5\nproperty double x\nproperty float y\n\
+             property short z\nproperty uchar red\nelement face 3\nproperty list uchar uint vertex_indices\n\
+             property list uint float weights\nelement extra 1\nproperty int i\nend_header\n"
+        )
+    };
+    let vertices = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 2], [2, 0, 0]];
+    let faces: [&[u32]; 3] = [&[0, 1, 2, 3], &[0, 1, 4], &[2, 2, 3]];
+    let mut ascii = header("ascii");
+    let (mut little, mut big) = (Vec::new(), Vec::new());
+    for v in vertices {
+        ascii += &format!("{} {} {} 255\n", v[0], v[1], v[2]);
+        little.extend(f64::from(v[0]).to_le_bytes());
+        big.extend(f64::from(v[0]).to_be_bytes());
+        little.extend((v[1] as f32).to_le_bytes());
+        big.extend((v[1] as f32).to_be_bytes());
+        little.extend((v[2] as i16).to_le_bytes());
+        big.extend((v[2] as i16).to_be_bytes());
+        little.push(255);
+        big.push(255);
+    }
+    for face in faces {
+        ascii += &format!("{}", face.len());
+        little.push(face.len() as u8);
+        big.push(face.len() as u8);
+        for &i in face {
+            ascii += &format!(" {i}");
+            little.extend(i.to_le_bytes());
+            big.extend(i.to_be_bytes());
+        }
+        ascii += " 1\n0.5\n";
+        little.extend(1u32.to_le_bytes().into_iter().chain(0.5f32.to_le_bytes()));
+        big.extend(1u32.to_be_bytes().into_iter().chain(0.5f32.to_be_bytes()));
+    }
+    ascii += "7\n";
+    little.extend([7; 4]);
+    big.extend([7; 4]);
+    let files = Memory::new()
+        .with("s/a.ply", ascii)
+        .with(
+            "s/l.ply",
+            [header("binary_little_endian").into_bytes(), little].concat(),
+        )
+        .with(
+            "s/b.ply",
+            [header("binary_big_endian").into_bytes(), big].concat(),
+        );
+    let shapes: String = ["a", "l", "b"]
+        .map(|f| {
+            format!("<shape type=\"ply\"><string name=\"filename\" value=\"{f}.ply\"/></shape>")
+        })
+        .concat();
+    let scene = with_files(&format!("{shapes}{SENSOR}"), files, &[]);
+    for mesh in &scene.meshes {
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(
+            mesh.positions,
+            vertices.map(|v| Vec3::from(v.map(|x| x as f32)))
+        );
+    }
+    let dropped = |w: &&String| w.contains("dropped");
+    assert_eq!(scene.warnings.iter().filter(dropped).count(), 3);
+    assert!(
+        scene.warnings[0].contains("a.ply: dropped 2 faces"),
+        "{:?}",
+        scene.warnings
+    );
+}
