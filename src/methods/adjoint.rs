@@ -24,7 +24,7 @@ use glam::Vec3;
 use std::time::Instant;
 
 /// The image that an objective is measured on gets its own random numbers: a loss and its derivative from the same
-/// samples would be correlated, and the gradient biased (METHODS §6).
+/// samples would be correlated, and the gradient biased (docs/method.md, section 10).
 const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The sweep takes derivatives by the image between this and its inverse as they are.

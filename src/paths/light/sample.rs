@@ -3,7 +3,7 @@
 //! At every vertex the light that arrives from area lights is an integral over the lights' own surface
 //! (`kernels::light`), estimated by light samples and by bounces that happen to end on a light, combined by the
 //! power heuristic. The weights and densities are numbers at θ₀: they are ways of *sampling* an integrand that is
-//! differentiated in coordinates which no strategy depends on, so freezing them is exact (METHODS §1.6 warns of
+//! differentiated in coordinates which no strategy depends on, so freezing them is exact (docs/method.md warns of
 //! freezing them where strategies move differently). Narrow lobes do not take part: see `paths::surface::materials`.
 
 use crate::kernels::light::triangle_irradiance;

@@ -21,7 +21,7 @@ const NONE: u32 = u32::MAX;
 
 /// Rough conductors and plastics this rough or rougher are also lit by light samples, and their lobes differentiated in
 /// the lights' coordinates. Narrower lobes see lights along their reflections alone, and are differentiated in their own
-/// (METHODS §1.4's threshold, there between kernels and convolutions).
+/// (the threshold of [Loubet2019]'s implementation, there between kernels and convolutions).
 const WIDE_ALPHA: f32 = 0.15;
 
 /// Where light comes from that a vertex looks for.
