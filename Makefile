@@ -3,10 +3,12 @@
 # A shell opened before Rust was installed does not know its folder yet.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
+BUILD = cargo build --release --locked
+# Says nothing of cargo's: BUILD has come before.
 CARGO_RUN = cargo run --release --locked --quiet --
 DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
-.PHONY: help deps demo test test-long bench bench-backends figures test-debian13
+.PHONY: help deps demo test test-long bench bench-backends figures test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
@@ -15,13 +17,14 @@ help:
 	@echo "make bench          speed, on this machine"
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
-	@echo "make test-debian13  the tests against Debian 13's Embree 4, in a chroot"
+	@echo "make test-bare-debian  make demo and make test on a bare Debian 12 and a bare Debian 13, in chroots (long)"
 	@echo "make deps           only install what the others need"
 
 deps:
 	@scripts/setup
 
 demo: deps
+	$(BUILD)
 	$(CARGO_RUN) $(DEMO) -o out/demo
 	$(CARGO_RUN) $(DEMO) --method fd -o out/demo-fd
 	@echo
@@ -39,10 +42,11 @@ bench: deps
 	scripts/benchmark
 
 bench-backends: deps
+	$(BUILD)
 	$(CARGO_RUN) bench -o out/bench
 
 figures: deps
 	scripts/figures $(if $(QUICK),--quick)
 
-test-debian13:
-	scripts/test-debian13
+test-bare-debian:
+	scripts/test-bare-debian
