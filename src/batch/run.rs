@@ -1,21 +1,23 @@
 //! A batch: several jobs at a time, all on the same threads, until there are no more.
 
-use super::attachments;
-use super::failure::Failure;
-use super::folder;
-use super::intake::{Entry, JobFile, Line, Register};
-use super::job::Job;
-use super::journal::Journal;
-use super::loaded::Loaded;
-use super::manifest::Manifest;
-use super::memory;
-use super::result::ResultLine;
-use super::shard::{Shard, Split};
-use super::share;
-use super::store::{SceneKey, Store};
-use super::stream::{Next, Stream};
-use super::summary::{Summary, Tally};
-use super::task::{Question, Stand};
+use crate::batch::queue::intake::{Entry, JobFile, Line, Register};
+use crate::batch::queue::shard::{Shard, Split};
+use crate::batch::queue::stream::{Next, Stream};
+use crate::batch::results::folder;
+use crate::batch::results::journal::Journal;
+use crate::batch::results::line::ResultLine;
+use crate::batch::results::manifest::Manifest;
+use crate::batch::results::summary::{Summary, Tally};
+use crate::batch::samples::share;
+use crate::batch::scenes::estimate;
+use crate::batch::scenes::loaded::Loaded;
+use crate::batch::scenes::stand::Stand;
+use crate::batch::scenes::store::{SceneKey, Store};
+use crate::jobs::attachments;
+use crate::jobs::failure::Failure;
+use crate::jobs::job::Job;
+use crate::jobs::machine;
+use crate::jobs::request::Question;
 use crate::methods::{Progress, Workers};
 use crate::output::results::{self, ResultFile};
 use crate::trace::Backend;
@@ -155,7 +157,7 @@ impl<'a> Batch<'a> {
         skipped: usize,
     ) -> Result<Summary, Failure> {
         let started = Instant::now();
-        let processor = memory::processor_seconds();
+        let processor = machine::processor_seconds();
         let summary = Mutex::new(Summary::default());
         std::thread::scope(|scope| {
             for started in 0..self.options.threads + SPARE_JOBS {
@@ -195,8 +197,8 @@ impl<'a> Batch<'a> {
         summary.threads = self.options.threads;
         summary.scene_loads = self.store.loads();
         summary.memory_bytes = self.options.memory_bytes;
-        summary.peak_memory_bytes = memory::peak();
-        let used = memory::processor_seconds().zip(processor);
+        summary.peak_memory_bytes = machine::peak();
+        let used = machine::processor_seconds().zip(processor);
         summary.processor_seconds = used.map(|(now, then)| now - then);
         Ok(summary)
     }
@@ -268,7 +270,7 @@ impl<'a> Batch<'a> {
             let settings = wishes.settle(&loaded.scene)?;
             let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
             let files = attachments::bytes_needed(&job, &loaded.scene, &settings)?;
-            Ok(files + memory::of_job(&loaded.scene, &settings, &job, kept as u64))
+            Ok(files + estimate::of_job(&loaded.scene, &settings, &job, kept as u64))
         };
         let admission = self.store.admit(&key, bytes, &|| self.is_stopped())?;
         let mut result = ResultLine {

@@ -2,8 +2,8 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
-use crate::batch::settings::MOST_SAMPLES;
-use crate::batch::shard::ShardChoice;
+use crate::batch::queue::shard::ShardChoice;
+use crate::jobs::settings::MOST_SAMPLES;
 use crate::trace::Backend;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;

@@ -3,7 +3,7 @@
 use super::arguments::{BackwardArguments, Loss};
 use super::exit::Failure;
 use super::session::{self, Session};
-use crate::batch::{direction, settings};
+use crate::jobs::{direction, settings};
 use crate::methods::{self, Method, Objective};
 use crate::output::tensors::Tensor;
 use crate::output::{gradients, results};

@@ -7,11 +7,11 @@ use super::log::Log;
 use super::session;
 use super::signals::Signals;
 use super::values::Memory;
-use crate::batch::manifest::REPORT;
+use crate::batch::queue::shard::Split;
+use crate::batch::results::summary::Summary;
 use crate::batch::run::{self, Options};
-use crate::batch::shard::Split;
-use crate::batch::summary::Summary;
-use crate::batch::{memory, schema};
+use crate::jobs::id::REPORT;
+use crate::jobs::{machine, schema};
 use crate::output::atomic;
 use serde_json::json;
 use std::ffi::OsString;
@@ -92,7 +92,7 @@ fn options(arguments: &BatchArguments, jobs: &Path) -> Result<Options, Failure> 
         threads: session::threads(arguments.threads),
         memory_bytes: match arguments.memory {
             Memory::Bytes(bytes) => bytes,
-            Memory::Share(share) => (memory::of_machine() as f64 * share) as u64,
+            Memory::Share(share) => (machine::of_machine() as f64 * share) as u64,
         },
         shard,
         split: match arguments.split {

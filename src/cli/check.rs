@@ -1,17 +1,17 @@
 //! `warpath check`: forward, backward and finite differences against each other.
 
 use super::arguments::CheckArguments;
-use super::comparison::{Comparison, Excess, z_scores};
 use super::exit::Failure;
 use super::pace::{Kind, Pace};
-use super::replicates::Replicates;
 use super::session::{self, Session};
 use super::verdict::{Circumstances, Outcome, SIGNIFICANT, Transposition, Verdict, judge};
-use crate::batch::direction::{self, Direction};
+use crate::jobs::direction::{self, Direction};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
 use crate::scene::Filter;
 use crate::scene::parameters::{self, Parameter};
+use crate::statistics::comparison::{Comparison, Excess, z_scores};
+use crate::statistics::replicates::Replicates;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;

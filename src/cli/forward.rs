@@ -3,7 +3,7 @@
 use super::arguments::ForwardArguments;
 use super::exit::Failure;
 use super::session::{self, Session};
-use crate::batch::direction;
+use crate::jobs::direction;
 use crate::methods;
 use crate::output::{gradients, results};
 use serde_json::json;

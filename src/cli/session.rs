@@ -6,8 +6,8 @@ use super::log::Log;
 use super::progress::StageProgress;
 use super::report::{Report, SceneReport};
 use super::signals::Signals;
-use crate::batch::memory;
-use crate::batch::settings::{self, Wishes};
+use crate::jobs::machine;
+use crate::jobs::settings::{self, Wishes};
 use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
 use crate::output::{FileError, atomic};
 use crate::scene::{self, Scene};
@@ -157,7 +157,7 @@ impl Session {
             self.log.note(note);
         }
         self.report.files.push("report.json".into());
-        self.report.peak_memory_bytes = memory::peak();
+        self.report.peak_memory_bytes = machine::peak();
         self.report
             .spend("total", self.started.elapsed().as_secs_f64());
         let text = serde_json::to_string_pretty(&self.report)

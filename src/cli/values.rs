@@ -1,8 +1,8 @@
 //! How the values of options are written. Each function says what is wrong and what would be right.
 
-use crate::batch::numbers::Numbers;
-use crate::batch::settings;
-use crate::batch::shard::ShardChoice;
+use crate::batch::queue::shard::ShardChoice;
+use crate::jobs::numbers::Numbers;
+use crate::jobs::settings;
 
 /// A parameter's key with its tangent.
 pub type Tangent = (String, Numbers);

@@ -4,7 +4,7 @@
 //! so that the error of order h² vanishes (Richardson): (4·D(h) − D(2h))/3. Russian roulette is off, since a path that
 //! ends because θ moved is a jump that no derivative has.
 
-use super::primal::group_images;
+use super::render::group_images;
 use super::{
     EngineError, ForwardGradient, Image, Prepared, Progress, Settings, Statistics, Workers,
 };

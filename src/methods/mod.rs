@@ -1,15 +1,15 @@
 //! The estimators behind `--method`, and the one interface through which commands use them.
 
-mod adjoint;
+mod backward;
 mod differences;
+mod forward;
 mod groups;
 mod prepared;
-mod primal;
 mod refusals;
+mod render;
 mod spare;
 mod stage;
 mod tails;
-mod tangent;
 
 pub use differences::{IMAGES as DIFFERENCE_IMAGES, step as difference_step};
 
@@ -183,7 +183,7 @@ pub struct Evaluation {
     pub statistics: Statistics,
 }
 
-pub use adjoint::inner_product;
+pub use backward::inner_product;
 pub use groups::{GroupMean, equal_groups, group_count};
 pub use prepared::{Edits, Parts, Prepared, Workers, views};
 pub use refusals::check_meshes;

@@ -4,7 +4,7 @@ use super::refusals::check_meshes;
 use super::tails::object_of;
 use super::{
     BackwardGradient, EngineError, Evaluation, ForwardGradient, Method, Objective, Progress,
-    Rendering, Settings, adjoint, differences, primal, tangent,
+    Rendering, Settings, backward, differences, forward, render,
 };
 use crate::paths::lights::Lights;
 use crate::paths::materials::MaterialTable;
@@ -239,7 +239,7 @@ impl<'a> Prepared<'a> {
         settings: &Settings,
         progress: &dyn Progress,
     ) -> Result<Rendering, EngineError> {
-        primal::render(self, settings, progress)
+        render::render(self, settings, progress)
     }
 
     /// Forward mode: the derivative of the image along one direction in parameter space.
@@ -257,7 +257,7 @@ impl<'a> Prepared<'a> {
             .map(|(p, v)| (p.key.as_str(), v.as_slice()))
             .collect();
         let tangent = parameters::tangent(self.scene, &named, settings.sensor)?;
-        tangent::forward(self, settings, &tangent, progress)
+        forward::forward(self, settings, &tangent, progress)
     }
 
     /// The value of an objective and its derivative by the image.
@@ -267,7 +267,7 @@ impl<'a> Prepared<'a> {
         objective: &Objective,
         progress: &dyn Progress,
     ) -> Result<Evaluation, EngineError> {
-        adjoint::evaluate(self, settings, objective, progress)
+        backward::evaluate(self, settings, objective, progress)
     }
 
     /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
@@ -279,7 +279,7 @@ impl<'a> Prepared<'a> {
         progress: &dyn Progress,
     ) -> Result<BackwardGradient, EngineError> {
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
-        let mut done = adjoint::backward(self, settings, &request, objective, progress)?;
+        let mut done = backward::backward(self, settings, &request, objective, progress)?;
         for parameter in wanted {
             let object = parameter.target.and_then(object_of);
             let share = object.and_then(|object| done.terms.largest_share(object));

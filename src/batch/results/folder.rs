@@ -1,8 +1,7 @@
 //! A job's folder: there with all its files, or not at all.
 
-use super::failure::Failure;
-use super::journal::RESULTS;
-use super::manifest::{MANIFEST, REPORT};
+use crate::jobs::failure::Failure;
+use crate::jobs::id::{MANIFEST, REPORT, RESULTS};
 use crate::output::results::ResultFile;
 use crate::output::unfinished::Unfinished;
 use crate::output::{FileError, atomic};

@@ -1,6 +1,6 @@
 //! Which part of a batch this process does.
 
-use super::failure::Failure;
+use crate::jobs::failure::Failure;
 use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;

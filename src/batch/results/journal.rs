@@ -1,16 +1,14 @@
 //! `results.jsonl`: one line a job, on the disk before anyone is told.
 
-use super::failure::Failure;
 use super::folder;
-use super::result::ResultLine;
+use super::line::ResultLine;
+use crate::jobs::failure::Failure;
+use crate::jobs::id::RESULTS;
 use crate::output::{FileError, atomic};
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// The name of the file.
-pub const RESULTS: &str = "results.jsonl";
 
 /// The results of a batch, open for more.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! The groups of a job's samples, added up in their order.
 
-use super::failure::Failure;
-use super::job::Mode;
 use super::share::{Share, of_group};
-use super::task::Results;
+use crate::jobs::failure::Failure;
+use crate::jobs::job::Mode;
+use crate::jobs::request::Results;
 use crate::methods::{ForwardGradient, GroupMean, Image};
 use crate::output::gradients;
 use crate::output::tensors::{Tensor, TensorFile};

@@ -59,7 +59,7 @@ fn many_jobs_in_little_memory_all_end() {
     let scenes: u64 = state
         .scenes
         .values()
-        .map(|slot| memory::of_scene(&slot.loaded.scene))
+        .map(|slot| crate::batch::scenes::estimate::of_scene(&slot.loaded.scene))
         .sum();
     assert_eq!(state.used, base + scenes);
 }

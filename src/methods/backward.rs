@@ -149,7 +149,7 @@ pub fn evaluate(
         groups: None,
         ..settings.clone()
     };
-    let rendering = super::primal::render(prepared, &settings, progress)?;
+    let rendering = super::render::render(prepared, &settings, progress)?;
     let mut statistics = Statistics::default();
     statistics.absorb(&rendering.statistics);
     let image = rendering.image;

@@ -1,10 +1,10 @@
 //! Lines of jobs: from a file, sorted so that each scene loads once, or from a stream, as they come.
 
-use super::failure::Failure;
-use super::job::check_id;
-use super::journal::Earlier;
-use super::result::ResultLine;
 use super::shard::Shard;
+use crate::batch::results::journal::Earlier;
+use crate::batch::results::line::ResultLine;
+use crate::jobs::failure::Failure;
+use crate::jobs::id::check_id;
 use crate::scene::source::Fnv1a;
 use serde::Deserialize;
 use serde_json::value::RawValue;

@@ -1,7 +1,7 @@
 //! Lines that come one by one, for ever perhaps.
 
-use super::failure::Failure;
 use super::intake::{Entry, Line, Register};
+use crate::jobs::failure::Failure;
 use crate::output::atomic;
 use std::io::BufRead;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};

@@ -1,10 +1,10 @@
 //! A part of a job's samples: some of its groups, kept apart so that they can be added up in their order, whoever has
 //! done them.
 
-use super::failure::Failure;
-use super::job::{Job, Mode};
-use super::shard::Shard;
-use super::task::{Question, Results, objective};
+use crate::batch::queue::shard::Shard;
+use crate::jobs::failure::Failure;
+use crate::jobs::job::{Job, Mode};
+use crate::jobs::request::{Question, Results, objective};
 use crate::methods::{
     Evaluation, Groups, Image, Method, Objective, Prepared, Progress, Settings, Statistics,
     equal_groups,

@@ -1,7 +1,7 @@
 //! How a batch goes, and how it went.
 
-use super::result::ResultLine;
-use super::settings::counted;
+use super::line::ResultLine;
+use crate::jobs::settings::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -66,15 +66,15 @@ impl Tally {
         self.started.elapsed().as_secs_f64().max(1e-9)
     }
 
-    pub(super) fn go_on(&self, millionths: u64) {
+    pub fn go_on(&self, millionths: u64) {
         self.partly.fetch_add(millionths, Ordering::Relaxed);
     }
 
-    pub(super) fn take_back(&self, millionths: u64) {
+    pub fn take_back(&self, millionths: u64) {
         self.partly.fetch_sub(millionths, Ordering::Relaxed);
     }
 
-    pub(super) fn end(&self, result: &ResultLine) {
+    pub fn end(&self, result: &ResultLine) {
         self.done.fetch_add(1, Ordering::Relaxed);
         self.failed
             .fetch_add((!result.is_ok()).into(), Ordering::Relaxed);

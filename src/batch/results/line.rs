@@ -1,8 +1,8 @@
 //! What is said of a job when it has ended: a line of `results.jsonl`.
 
-use super::failure::Failure;
-use super::job::{check_id, without_line};
-use super::share::Share;
+use crate::batch::samples::share::Share;
+use crate::jobs::failure::Failure;
+use crate::jobs::{id::check_id, job::without_line};
 use crate::methods::Statistics;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

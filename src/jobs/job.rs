@@ -1,8 +1,7 @@
 //! A job: one line of JSON, and what is wrong with it.
 
 use super::failure::Failure;
-use super::journal::RESULTS;
-use super::manifest::{MANIFEST, REPORT};
+use super::id::check_id;
 use super::numbers::Numbers;
 use super::pairs::{Keys, Pairs};
 use super::settings::{self, MOST_SAMPLES, Wishes};
@@ -13,9 +12,6 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::path::PathBuf;
-
-/// Longest id, in bytes: with what is put around it, it is a file name.
-const LONGEST_ID: usize = 128;
 
 /// One image or gradient to compute. What is left out comes from the scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -328,24 +324,6 @@ impl Mode {
             Mode::Backward => &results::BACKWARD,
         }
     }
-}
-
-/// An id is a folder's name wherever the results are copied to.
-pub fn check_id(id: &str) -> Result<(), Failure> {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    if [RESULTS, MANIFEST, REPORT].contains(&id) {
-        return Err(Failure::Input(format!(
-            "id: {id} is the name of the batch's own file"
-        )));
-    }
-    let fits = !id.is_empty() && id.len() <= LONGEST_ID;
-    if fits && id.chars().all(is_plain) && !id.starts_with('.') {
-        return Ok(());
-    }
-    let shown: String = id.chars().take(40).collect();
-    Err(Failure::Input(format!(
-        "id: {shown:?} cannot name a folder; use up to {LONGEST_ID} letters, digits, '-', '_' and '.', the first no '.'"
-    )))
 }
 
 /// The error without "at line 1 column 7": the line is told by its own number.

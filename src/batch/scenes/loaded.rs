@@ -1,9 +1,9 @@
 //! A scene in memory with all that its jobs share.
 
-use super::failure::Failure;
-use super::memory;
+use super::estimate;
 use super::source::Counted;
 use super::store::{Reservation, SceneKey};
+use crate::jobs::failure::Failure;
 use crate::methods::{Edits, Parts, Workers, views};
 use crate::room::Cancelled;
 use crate::scene::{self, Scene};
@@ -89,7 +89,7 @@ impl Loaded {
             Some(refusal) => return Err(refusal),
             None => scene?,
         };
-        reservation.become_bytes(memory::of_scene(&scene), cancelled)?;
+        reservation.become_bytes(estimate::of_scene(&scene), cancelled)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let parts = Parts::new(&scene, workers, backend, cancelled)
@@ -143,7 +143,7 @@ impl Loaded {
         let Lease::Refitted(accel) = lease else {
             return;
         };
-        let bytes = memory::of_accel(&self.scene);
+        let bytes = estimate::of_accel(&self.scene);
         if let (Ok(accel), Some(reservation)) =
             (Arc::try_unwrap(accel), self.reservation.another(bytes))
         {

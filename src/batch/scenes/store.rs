@@ -4,9 +4,9 @@
 //! longest unused first; else it waits until others have ended. Only one scene loads at a time, and only a job that no
 //! other holds up may fail for want of memory: whoever waits holds nothing that another could need.
 
-use super::failure::Failure;
 use super::loaded::Loaded;
-use super::memory;
+use crate::jobs::failure::Failure;
+use crate::jobs::machine;
 use crate::methods::Workers;
 use crate::room::{self, Cancelled};
 use crate::trace::Backend;
@@ -82,12 +82,13 @@ impl Store {
     /// An empty store; what the process has taken up to now counts as used.
     pub fn new(limit_bytes: u64, workers: Workers, backend: Backend) -> Self {
         let state = State {
-            used: memory::resident().unwrap_or(0),
+            used: machine::resident().unwrap_or(0),
             ..State::default()
         };
         Self {
             ledger: Arc::new(Ledger {
-                limit: memory::of_address_space().map_or(limit_bytes, |most| limit_bytes.min(most)),
+                limit: machine::of_address_space()
+                    .map_or(limit_bytes, |most| limit_bytes.min(most)),
                 state: Mutex::new(state),
                 changed: Condvar::new(),
             }),
@@ -258,14 +259,14 @@ impl Ledger {
         if state.used + bytes <= self.limit {
             return Failure::World(format!(
                 "{what} needs about {}, which the system does not give: see `ulimit -v`",
-                memory::shown(bytes)
+                machine::shown(bytes)
             ));
         }
         Failure::World(format!(
             "{what} needs about {} beside {} in use, more than --memory {} has",
-            memory::shown(bytes),
-            memory::shown(state.used),
-            memory::shown(self.limit)
+            machine::shown(bytes),
+            machine::shown(state.used),
+            machine::shown(self.limit)
         ))
     }
 }

@@ -1,17 +1,12 @@
 //! `batch.json`: what a folder holds the results of, for `merge` and `--resume`.
 
-use super::failure::Failure;
-use super::run::Options;
+use crate::batch::run::Options;
+use crate::jobs::failure::Failure;
+use crate::jobs::id::MANIFEST;
 use crate::output::{FileError, atomic};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
-
-/// The name of the file.
-pub const MANIFEST: &str = "batch.json";
-
-/// The name of the file that says how the batch went.
-pub const REPORT: &str = "report.json";
 
 /// A batch, or one shard of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! Files of a scene, whose memory is counted before they are read.
 
-use super::failure::Failure;
 use super::loaded::Stamp;
-use super::memory;
 use super::store::Reservation;
+use crate::jobs::failure::Failure;
+use crate::jobs::machine;
 use crate::picture;
 use crate::room::Cancelled;
 use crate::scene::source::{Disk, FileSource};
@@ -60,7 +60,7 @@ impl<'a> Counted<'a> {
                     Failure::World(what) => Failure::World(format!(
                         "{}: reading it takes about {}: {what}",
                         path.display(),
-                        memory::shown(bytes)
+                        machine::shown(bytes)
                     )),
                     other => other,
                 });

@@ -1,0 +1,4 @@
+//! Jobs whose samples are shared out, and how their parts are added up.
+
+pub mod share;
+pub mod sum;

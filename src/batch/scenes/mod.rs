@@ -1,0 +1,7 @@
+//! Scenes in memory, shared by jobs, and what they may take of it.
+
+pub mod estimate;
+pub mod loaded;
+pub mod source;
+pub mod stand;
+pub mod store;
