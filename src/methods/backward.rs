@@ -1,12 +1,17 @@
 //! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
 
-use super::groups::GroupImages;
+use super::clock::StageClock;
+use super::error::EngineError;
+use super::group_images::GroupImages;
+use super::objective::{Evaluation, Objective, check_size, evaluate, inner_product};
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::refusals;
+use super::results::BackwardGradient;
+use super::settings::Settings;
 use super::spare::Spare;
-use super::stage::{Stage, StageClock};
-use super::{
-    BackwardGradient, EngineError, Evaluation, Image, Method, Objective, Prepared, Progress,
-    Settings, Statistics, refusals,
-};
+use super::stage::Stage;
+use super::statistics::Statistics;
 use crate::gradient::accumulator::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::reverse::ReverseSweep;
 use crate::gradient::terms::Terms;
@@ -16,14 +21,11 @@ use crate::paths::rays::from_lanes;
 use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
 use crate::paths::tracer::Counts;
+use crate::picture::Image;
 use crate::room;
 use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
 use std::time::Instant;
-
-/// The image that an objective is measured on gets its own random numbers: a loss and its derivative from the same
-/// samples would be correlated, and the gradient biased (METHODS §6).
-const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The sweep takes derivatives by the image between this and its inverse as they are.
 const LEAST_MAGNITUDE: f32 = 1e-6;
@@ -45,68 +47,22 @@ pub fn backward(
         mut statistics,
     } = evaluate(prepared, settings, objective, progress)?;
     let magnitude = to_unit_magnitude(&mut adjoint);
-    let visibility = settings.method == Method::Reparam && request.moves_edges(scene);
+    let visibility = settings.method.looks_for_discontinuities() && request.moves_edges(scene);
     let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(request);
     check_size(&adjoint, stage.size)?;
-
-    let clock = StageClock::start();
     let wanted = Wanted::new(scene, request);
-    let tracer = stage.tracer();
-    let sweep = ReverseSweep {
-        tracer: &tracer,
-        wanted: &wanted,
-        visibility,
-    };
-    let (stores, scratch) = (Spare::new(), Spare::new());
-    let mut images = GroupImages::new(&stage)?;
-    let mut sums = (0..stage.own_groups().len())
-        .map(|_| FilmSums::new(scene, &stage.parts.geometry, &wanted))
-        .collect::<Result<Vec<_>, _>>()?;
-    let scratch_bytes = TileSums::bytes_needed(scene, &stage.parts.geometry, &wanted);
-    room::look_for(settings.threads as u64 * scratch_bytes)?;
-    let mut terms = Terms::new(scene.meshes.len(), scene.textures.len());
-    let mut counts = Counts::default();
-    stage.for_each_tile(
-        progress,
-        |group, index| {
-            let tile = stage.lattice.tile(index, group, stage.seed);
-            let start = Instant::now();
-            let store = stores.take(TileStore::default);
-            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
-            let start = clock.add_primal(start);
-            let mut block = Block::new(&stage.filter, &traced.tile);
-            traced.splat(&traced.image.radiance, &mut block);
-            let mut tile_sums =
-                scratch.take(|| TileSums::new(scene, &stage.parts.geometry, &wanted));
-            let gradient = differentiate(&stage, &sweep, &traced, &adjoint.pixels, &mut tile_sums);
-            clock.add_adjoint(start);
-            scratch.give_back(tile_sums);
-            stores.give_back(traced.store);
-            let mut counts = traced.counts;
-            counts.gradient_not_finite += gradient.not_finite;
-            (block, gradient, counts)
-        },
-        |group, (block, gradient, tile_counts)| {
-            let own = (group - stage.own_groups().start) as usize;
-            images.add(group, &block);
-            sums[own].add(&gradient);
-            terms.absorb(&gradient.terms);
-            counts += tile_counts;
-        },
-    )?;
-    statistics.add_counts(&counts);
-    clock.stop(&mut statistics);
+    let swept = sweep_tiles(&stage, &wanted, &adjoint.pixels, progress, &mut statistics)?;
 
+    let sums = swept.sums.into_iter();
     let groups: Vec<SceneDifferential> = sums
-        .into_iter()
         .map(|mut sums| {
             sums.scale(magnitude);
             sums.finish(scene, &stage.parts.geometry, &stage.camera, request)
         })
         .collect();
     let gradient = SceneDifferential::mean(&groups);
-    let own = stage.image(images.finish()?.0);
+    let own = stage.image(swept.images.finish()?.0);
     let (loss, image) = match objective {
         Objective::Adjoint(adjoint) => (inner_product(&own, adjoint), own),
         _ => (loss, image.unwrap_or(own)),
@@ -116,78 +72,77 @@ pub fn backward(
         gradient,
         groups,
         loss,
-        terms,
+        terms: swept.terms,
         statistics,
     })
 }
 
-/// The objective's value and derivative by the image, and the image they were taken at.
-pub fn evaluate(
-    prepared: &Prepared,
-    settings: &Settings,
-    objective: &Objective,
+/// What all tiles add up to.
+struct Swept {
+    images: GroupImages,
+    /// Of each group.
+    sums: Vec<FilmSums>,
+    terms: Terms,
+}
+
+/// Traces every tile and differentiates it, given the derivative by the image.
+fn sweep_tiles(
+    stage: &Stage,
+    wanted: &Wanted,
+    adjoint: &[Rgb],
     progress: &dyn Progress,
-) -> Result<Evaluation, EngineError> {
-    let (target, is_l1) = match objective {
-        Objective::Adjoint(adjoint) => {
-            return Ok(Evaluation {
-                loss: 0.0,
-                adjoint: Image {
-                    pixels: room::copy(&adjoint.pixels)?,
-                    ..**adjoint
-                },
-                image: None,
-                statistics: Statistics::default(),
-            });
-        }
-        Objective::L1(target) => (target, true),
-        Objective::L2(target) => (target, false),
+    statistics: &mut Statistics,
+) -> Result<Swept, EngineError> {
+    let clock = StageClock::start();
+    let (scene, geometry) = (stage.scene, &stage.parts.geometry);
+    let tracer = stage.tracer();
+    let sweep = ReverseSweep {
+        tracer: &tracer,
+        wanted,
+        visibility: stage.visibility,
     };
-    let settings = Settings {
-        seed: settings.seed ^ OBJECTIVE_SEED,
-        // Whoever does a part of the samples needs the same whole image.
-        groups: None,
-        ..settings.clone()
+    let (stores, scratch) = (Spare::new(), Spare::new());
+    let sums = stage.own_groups();
+    let mut swept = Swept {
+        images: stage.group_images()?,
+        sums: sums
+            .map(|_| FilmSums::new(scene, geometry, wanted))
+            .collect::<Result<Vec<_>, _>>()?,
+        terms: Terms::new(scene.meshes.len(), scene.textures.len()),
     };
-    let rendering = super::render::render(prepared, &settings, progress)?;
-    let mut statistics = Statistics::default();
-    statistics.absorb(&rendering.statistics);
-    let image = rendering.image;
-    check_size(target, [image.width, image.height])?;
-    let scale = 1.0 / (3 * image.pixels.len()) as f64;
-    let mut loss = 0.0;
-    let derivative = |value: f32, target: f32, loss: &mut f64| {
-        let difference = f64::from(value) - f64::from(target);
-        let slope = if is_l1 {
-            *loss += difference.abs() * scale;
-            if difference == 0.0 {
-                0.0
-            } else {
-                difference.signum()
-            }
-        } else {
-            *loss += difference * difference * scale;
-            2.0 * difference
-        };
-        (slope * scale) as f32
-    };
-    let pixels = image
-        .pixels
-        .iter()
-        .zip(&target.pixels)
-        .map(|(value, target)| std::array::from_fn(|c| derivative(value[c], target[c], &mut loss)))
-        .collect();
-    let adjoint = Image {
-        width: image.width,
-        height: image.height,
-        pixels,
-    };
-    Ok(Evaluation {
-        loss,
-        adjoint,
-        image: Some(image),
-        statistics,
-    })
+    let scratch_bytes = TileSums::bytes_needed(scene, geometry, wanted);
+    room::look_for(stage.threads() as u64 * scratch_bytes)?;
+    let mut counts = Counts::default();
+    stage.for_each_tile(
+        progress,
+        |group, index| {
+            let tile = stage.lattice.tile(index, group, stage.seed);
+            let start = Instant::now();
+            let store = stores.take(TileStore::default);
+            let traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
+            let start = clock.add_tracing(start);
+            let mut block = Block::new(&stage.filter, &traced.tile);
+            traced.splat(&traced.image.radiance, &mut block);
+            let mut tile_sums = scratch.take(|| TileSums::new(scene, geometry, wanted));
+            let gradient = differentiate(stage, &sweep, &traced, adjoint, &mut tile_sums);
+            clock.add_differentiating(start);
+            scratch.give_back(tile_sums);
+            stores.give_back(traced.store);
+            let mut counts = traced.counts;
+            counts.gradient_not_finite += gradient.not_finite;
+            (block, gradient, counts)
+        },
+        |group, (block, gradient, tile_counts)| {
+            let own = (group - stage.own_groups().start) as usize;
+            swept.images.add(group, &block);
+            swept.sums[own].add(&gradient);
+            swept.terms.absorb(&gradient.terms);
+            counts += tile_counts;
+        },
+    )?;
+    statistics.add_counts(&counts);
+    clock.stop(statistics);
+    Ok(swept)
 }
 
 /// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep multiplies the derivative
@@ -205,26 +160,6 @@ fn to_unit_magnitude(adjoint: &mut Image) -> f64 {
         *v = (f64::from(*v) / magnitude) as f32;
     }
     magnitude
-}
-
-fn check_size(image: &Image, [width, height]: [usize; 2]) -> Result<(), EngineError> {
-    if [image.width, image.height] == [width, height] {
-        return Ok(());
-    }
-    Err(EngineError::Refused(format!(
-        "the image given has {}×{} pixels, the rendering has {width}×{height}",
-        image.width, image.height
-    )))
-}
-
-/// The sum over pixels and channels of the products: the value of [`Objective::Adjoint`].
-pub fn inner_product(a: &Image, b: &Image) -> f64 {
-    a.pixels
-        .iter()
-        .flatten()
-        .zip(b.pixels.iter().flatten())
-        .map(|(x, y)| *x as f64 * *y as f64)
-        .sum()
 }
 
 /// A tile's part of the gradient.

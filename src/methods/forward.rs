@@ -1,12 +1,16 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
-use super::groups::GroupImages;
+use super::clock::StageClock;
+use super::error::EngineError;
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::refusals;
+use super::results::ForwardGradient;
+use super::settings::Settings;
 use super::spare::Spare;
-use super::stage::{Stage, StageClock};
+use super::stage::Stage;
+use super::statistics::Statistics;
 use super::tails::share_of_worst_pixels;
-use super::{
-    EngineError, ForwardGradient, Method, Prepared, Progress, Settings, Statistics, refusals,
-};
 use crate::gradient::forward::ForwardSweep;
 use crate::gradient::motion::Motion;
 use crate::lanes::LANES;
@@ -27,7 +31,7 @@ pub fn forward(
     let mut statistics = Statistics::default();
     let scene = prepared.scene;
     refusals::check(scene, tangent, settings.method)?;
-    let visibility = settings.method == Method::Reparam && tangent.moves_edges(scene);
+    let visibility = settings.method.looks_for_discontinuities() && tangent.moves_edges(scene);
     let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
     stage.ask_about(tangent);
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
@@ -36,8 +40,8 @@ pub fn forward(
 
     let clock = StageClock::start();
     let stores = Spare::new();
-    let mut images = GroupImages::new(&stage)?;
-    let mut gradients = GroupImages::new(&stage)?;
+    let mut images = stage.group_images()?;
+    let mut gradients = stage.group_images()?;
     let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
@@ -46,11 +50,11 @@ pub fn forward(
             let start = Instant::now();
             let store = stores.take(TileStore::default);
             let mut traced = TracedTile::trace(&tracer, &stage.filter, tile, true, store);
-            let start = clock.add_primal(start);
+            let start = clock.add_tracing(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
             let gradient = differentiate(&stage, &sweep, &mut traced);
-            clock.add_adjoint(start);
+            clock.add_differentiating(start);
             stores.give_back(traced.store);
             (image, gradient, traced.counts)
         },

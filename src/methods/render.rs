@@ -1,9 +1,14 @@
 //! The image itself.
 
-use super::groups::GroupImages;
+use super::clock::StageClock;
+use super::error::EngineError;
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::results::Rendering;
+use super::settings::Settings;
 use super::spare::Spare;
-use super::stage::{Stage, StageClock};
-use super::{EngineError, Prepared, Progress, Rendering, Settings, Statistics};
+use super::stage::Stage;
+use super::statistics::Statistics;
 use crate::paths::film::Block;
 use crate::paths::store::TileStore;
 use crate::paths::tile::TracedTile;
@@ -24,7 +29,7 @@ pub fn render(
         ..settings.clone()
     };
     let stage = Stage::new(prepared, &settings, false, &mut statistics)?;
-    let mut images = GroupImages::new(&stage)?;
+    let mut images = stage.group_images()?;
     trace(&stage, progress, &mut statistics, |group, block| {
         images.add(group, block)
     })?;
@@ -69,7 +74,7 @@ fn trace(
             let traced = TracedTile::trace(&tracer, &stage.filter, tile, false, store);
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
-            clock.add_primal(start);
+            clock.add_tracing(start);
             stores.give_back(traced.store);
             (block, traced.counts)
         },
@@ -79,6 +84,6 @@ fn trace(
         },
     )?;
     statistics.add_counts(&counts);
-    clock.stop_primal(statistics);
+    clock.stop_tracing(statistics);
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Statistics of gradient images: how far two estimates are from each other, in their own error bars.
 
 use super::replicates::Replicates;
-use crate::methods::Image;
+use crate::picture::Image;
 use serde::Serialize;
 
 /// Differences below this share of the largest number are rounding, which has no error bar.
@@ -166,13 +166,13 @@ fn block_excess(
     significant: bool,
 ) -> Excess {
     let (mut excess, mut its_variance, mut signal) = (0.0, 0.0, 0.0);
-    for ((a, sa), (b, sb)) in tested.block_means().zip(reference.block_means()) {
-        let variance = sa * sa + sb * sb;
-        excess += shrunk(a - b, rounding).powi(2) - variance;
+    for (a, b) in tested.block_means().zip(reference.block_means()) {
+        let variance = a.error * a.error + b.error * b.error;
+        excess += shrunk(a.value - b.value, rounding).powi(2) - variance;
         // 2·variance² for a normal distribution; an estimated variance's square is too large on average, and
         // the more so the fewer the runs: that errs on the side of agreement.
         its_variance += 2.0 * variance * variance;
-        signal += b * b - sb * sb;
+        signal += b.value * b.value - b.error * b.error;
     }
     let scale = if significant && signal > 0.0 {
         signal

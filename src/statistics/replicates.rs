@@ -1,6 +1,7 @@
 //! Independent runs of one estimator, added up: their mean and how sure it is, by pixel and by block.
 
-use crate::methods::Image;
+use super::estimate::Estimate;
+use crate::picture::Image;
 
 /// Side of the squares of pixels that are also compared as one: errors within a filter's reach are
 /// correlated, and what is too noisy in a pixel shows in the mean of many.
@@ -72,14 +73,9 @@ impl Replicates {
     }
 
     /// Mean and standard error of every block and channel, the errors from the scatter of the runs.
-    pub fn block_means(&self) -> impl Iterator<Item = (f64, f64)> {
-        let n = self.runs.max(1) as f64;
-        (0..3 * self.block_count()).map(move |b| {
-            let values = || self.blocks.iter().map(|run| run[b]);
-            let mean = values().sum::<f64>() / n;
-            let squares: f64 = values().map(|v| (v - mean).powi(2)).sum();
-            (mean, (squares / (n - 1.0).max(1.0) / n).sqrt())
-        })
+    pub fn block_means(&self) -> impl Iterator<Item = Estimate> {
+        (0..3 * self.block_count())
+            .map(|b| Estimate::mean(self.blocks.iter().map(move |run| run[b])))
     }
 
     /// The mean.

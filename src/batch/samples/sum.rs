@@ -4,10 +4,11 @@ use super::share::{Share, of_group};
 use crate::jobs::failure::Failure;
 use crate::jobs::job::Mode;
 use crate::jobs::request::Results;
-use crate::methods::{ForwardGradient, GroupMean, Image};
+use crate::methods::{ForwardGradient, Image};
 use crate::output::gradients;
 use crate::output::tensors::{Tensor, TensorFile};
 use crate::room::NoRoom;
+use crate::statistics::image_mean::ImageMean;
 use std::collections::BTreeMap;
 
 /// All groups of a job.
@@ -68,7 +69,7 @@ impl Sum<'_> {
         let groups: Vec<Image> = self.groups(name)?.iter().map(as_image).collect();
         let no_room = |error: NoRoom| Failure::World(error.to_string());
         let (width, height) = (groups[0].width, groups[0].height);
-        let mut mean = GroupMean::new(width * height, self.share.groups).map_err(no_room)?;
+        let mut mean = ImageMean::new(width * height, self.share.groups).map_err(no_room)?;
         for group in &groups {
             mean.add(&group.pixels);
         }
