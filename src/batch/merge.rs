@@ -8,7 +8,7 @@ use crate::batch::samples::share::PARTIAL;
 use crate::batch::samples::sum::Sum;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::RESULTS;
-use crate::jobs::request::Results;
+use crate::jobs::results::Results;
 use crate::methods::inner_product;
 use crate::output::tensors::TensorFile;
 use crate::output::{FileError, atomic};

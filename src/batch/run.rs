@@ -17,7 +17,8 @@ use crate::jobs::attachments;
 use crate::jobs::failure::Failure;
 use crate::jobs::job::Job;
 use crate::jobs::machine;
-use crate::jobs::request::Question;
+use crate::jobs::read;
+use crate::jobs::request::Request;
 use crate::methods::{Progress, Workers};
 use crate::output::results::{self, ResultFile};
 use crate::trace::Backend;
@@ -179,7 +180,7 @@ impl<'a> Batch<'a> {
                 // One is enough, where there is no memory for more.
                 match std::thread::Builder::new().spawn_scoped(scope, work) {
                     Err(error) if started == 0 => {
-                        self.stop(Failure::World(format!("no thread for jobs: {error}")));
+                        self.stop(Failure::System(format!("no thread for jobs: {error}")));
                     }
                     _ => {}
                 }
@@ -234,7 +235,7 @@ impl<'a> Batch<'a> {
         let run = || self.run_job(&line);
         let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
             // The panic has told its place on stderr. The other jobs have nothing to do with it.
-            Err(Failure::World(
+            Err(Failure::System(
                 "a fault in warpath ended this job; please report it".into(),
             ))
         });
@@ -254,9 +255,9 @@ impl<'a> Batch<'a> {
         if let Some(refusal) = &line.refusal {
             return Err(refusal.clone());
         }
-        let job = Job::parse(&line.text)?;
+        let job = read::job(&line.text)?;
         let threads = self.options.threads;
-        let wishes = job.wishes(threads, self.options.backend);
+        let requested = job.settings(threads, self.options.backend);
         let key = SceneKey {
             path: job.scene.clone(),
             defines: job.definitions(),
@@ -267,7 +268,7 @@ impl<'a> Batch<'a> {
             .filter(|_| self.options.split == Split::Samples);
         let waited = Instant::now();
         let bytes = |loaded: &Loaded| {
-            let settings = wishes.settle(&loaded.scene)?;
+            let settings = requested.settle(&loaded.scene)?;
             let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
             let files = attachments::bytes_needed(&job, &loaded.scene, &settings)?;
             Ok(files + estimate::of_job(&loaded.scene, &settings, &job, kept as u64))
@@ -291,8 +292,8 @@ impl<'a> Batch<'a> {
             spend("build", loaded.build_seconds);
         }
         let stand = Stand::new(&job, loaded, threads)?;
-        let settings = wishes.settle(stand.scene())?;
-        let question = Question::new(&job, stand.scene(), &settings)?;
+        let settings = requested.settle(stand.scene())?;
+        let request = Request::new(&job, stand.scene(), &settings)?;
         let prepared = stand.prepare(&self.workers, &|| self.is_stopped())?;
         spend("prepare", admitted.elapsed().as_secs_f64());
         result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
@@ -304,7 +305,7 @@ impl<'a> Batch<'a> {
         match shared {
             Some(shard) => {
                 let partial =
-                    share::answer(&job, &question, shard, &prepared, &settings, &progress)?;
+                    share::answer(&job, &request, shard, &prepared, &settings, &progress)?;
                 drop(prepared);
                 stand.finish();
                 result.absorb(&partial.statistics);
@@ -316,7 +317,7 @@ impl<'a> Batch<'a> {
                 result.share = Some(partial.share);
             }
             None => {
-                let done = question.answer(&prepared, &settings, &progress)?;
+                let done = request.answer(&prepared, &settings, &progress)?;
                 drop(prepared);
                 stand.finish();
                 result.absorb(&done.statistics);

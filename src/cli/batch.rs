@@ -116,7 +116,7 @@ fn report(summary: &Summary, options: &Options, typed: &[OsString]) -> Result<St
     });
     serde_json::to_string_pretty(&report)
         .map(|text| text + "\n")
-        .map_err(|error| Failure::World(error.to_string()))
+        .map_err(|error| Failure::System(error.to_string()))
 }
 
 fn print(text: &str) -> Result<(), Failure> {

@@ -113,7 +113,7 @@ fn write(directory: &Path, results: &Results) -> Result<(), Failure> {
 
 fn json_text(results: &Results) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(results);
-    Ok(text.map_err(|error| Failure::World(error.to_string()))? + "\n")
+    Ok(text.map_err(|error| Failure::System(error.to_string()))? + "\n")
 }
 
 fn put(directory: &Path, name: &str, text: &str) -> Result<(), Failure> {

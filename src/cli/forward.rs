@@ -11,7 +11,7 @@ use std::ffi::OsString;
 
 /// Writes the gradient image in every format, its standard error, and the image.
 pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failure> {
-    let method = session::method(arguments.method)?;
+    let method = session::method(&arguments.method)?;
     let mut session = Session::open(
         "forward",
         &arguments.trace,

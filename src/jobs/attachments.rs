@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::job::Job;
 use super::numbers::Numbers;
 use super::pairs::Keys;
+use super::pictures;
 use super::settings;
 use crate::methods::Settings;
 use crate::scene::Scene;
@@ -22,7 +23,7 @@ pub fn bytes_needed(job: &Job, scene: &Scene, settings: &Settings) -> Result<u64
         bytes = bytes.saturating_add(numbers.bytes_needed(&parameter, key)?);
     }
     if let Some(file) = job.adjoint.as_ref().or(job.target.as_ref()) {
-        let picture = settings::picture(file, settings::size(settings, scene))?;
+        let picture = pictures::picture(file, settings::size(settings, scene))?;
         bytes = bytes.saturating_add(picture.bytes_needed());
     }
     Ok(bytes)

@@ -20,9 +20,9 @@ pub enum Failure {
     /// The scene, a parameter or a file is bad.
     #[error("{0}")]
     Input(String),
-    /// Files, memory.
+    /// The system failed: files, memory.
     #[error("{0}")]
-    World(String),
+    System(String),
     /// A batch finished, and so many of its jobs failed.
     #[error("{0} of {1} jobs failed")]
     Jobs(usize, usize),
@@ -42,7 +42,7 @@ impl Failure {
             Failure::Disagreement(_) => 1,
             Failure::Usage(_) => 2,
             Failure::Input(_) => 3,
-            Failure::World(_) => 4,
+            Failure::System(_) => 4,
             Failure::Jobs(..) => 5,
             Failure::Unsure(_) => 6,
             // The shells' convention for a process ended by a signal.
@@ -54,7 +54,7 @@ impl Failure {
     pub fn from_engine(error: EngineError, signal: Option<u8>) -> Self {
         match error {
             EngineError::Refused(what) => Failure::Input(what),
-            EngineError::Failed(what) => Failure::World(what),
+            EngineError::Failed(what) => Failure::System(what),
             EngineError::Interrupted => Failure::Interrupted(signal.unwrap_or(2)),
         }
     }
@@ -63,7 +63,7 @@ impl Failure {
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
         match error {
-            FileError::Io { .. } => Failure::World(error.to_string()),
+            FileError::Io { .. } => Failure::System(error.to_string()),
             FileError::Contents { .. } => Failure::Input(error.to_string()),
         }
     }
@@ -78,7 +78,7 @@ impl From<NotFinite> for Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         if error.is_io() {
-            Failure::World(error.to_string())
+            Failure::System(error.to_string())
         } else {
             Failure::Input(error.to_string())
         }
@@ -90,7 +90,7 @@ impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
-            _ => Failure::World(format!("stdout: {}", crate::output::atomic::plain(&error))),
+            _ => Failure::System(format!("stdout: {}", crate::output::atomic::plain(&error))),
         }
     }
 }

@@ -69,15 +69,6 @@ pub fn processor_seconds() -> Option<f64> {
     Some(ticks / 100.0)
 }
 
-/// Bytes as people read them.
-pub fn shown(bytes: u64) -> String {
-    match bytes {
-        b if b >= 10 << 30 => format!("{:.0} GB", b as f64 / f64::from(1 << 30)),
-        b if b >= 1 << 30 => format!("{:.1} GB", b as f64 / f64::from(1 << 30)),
-        b => format!("{} MB", b.div_ceil(1 << 20)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #[test]

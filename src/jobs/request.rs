@@ -1,69 +1,21 @@
-//! One job's computation: from its line and its scene to results that are ready to be written.
+//! What a job asks of its scene, files read and keys found, and the answer.
 
 use super::direction;
 use super::failure::Failure;
-use super::job::{Job, Loss, Mode};
+use super::job::Job;
+use super::mode::{Loss, Mode};
 use super::pairs::Keys;
+use super::pictures;
+use super::results::{Done, Results};
 use super::settings;
-use crate::methods::{ForwardGradient, Image, Objective, Prepared, Progress, Settings, Statistics};
+use crate::methods::{Objective, Prepared, Progress, Settings};
 use crate::output::gradients;
-use crate::output::results::{self, NotFinite, ResultFile};
-use crate::output::tensors::Tensor;
+use crate::picture::Image;
 use crate::scene::Scene;
 use crate::scene::parameters::Parameter;
 
-/// What a job has computed.
-pub enum Results {
-    Image(Image),
-    Forward(Box<ForwardGradient>),
-    Backward {
-        gradients: Vec<Tensor>,
-        image: Image,
-    },
-}
-
-/// Results with what is said of them.
-pub struct Done {
-    pub results: Results,
-    pub loss: Option<f64>,
-    pub statistics: Statistics,
-}
-
-impl Results {
-    /// The files of these results.
-    pub fn files(&self) -> Result<Vec<ResultFile<'_>>, NotFinite> {
-        match self {
-            Results::Image(image) => results::rendered(image),
-            Results::Forward(done) => results::forward(done),
-            Results::Backward { gradients, image } => results::backward(gradients, image),
-        }
-    }
-
-    /// The norm of each gradient and of its standard error.
-    pub fn norms(&self) -> Vec<(String, f64)> {
-        let of_image = |image: &Image| gradients::norm(image.pixels.iter().flatten());
-        match self {
-            Results::Image(_) => Vec::new(),
-            Results::Forward(done) => {
-                let mut norms = vec![("gradient".to_string(), of_image(&done.gradient))];
-                let name = format!("gradient{}", gradients::STANDARD_ERROR);
-                norms.extend(
-                    done.stderr
-                        .iter()
-                        .map(|image| (name.clone(), of_image(image))),
-                );
-                norms
-            }
-            Results::Backward { gradients, .. } => gradients
-                .iter()
-                .map(|tensor| (tensor.name.clone(), gradients::norm(&tensor.values)))
-                .collect(),
-        }
-    }
-}
-
 /// What a job asks of its scene, files read and keys found.
-pub enum Question {
+pub enum Request {
     Render,
     Forward(direction::Direction),
     Backward {
@@ -74,12 +26,12 @@ pub enum Question {
     },
 }
 
-impl Question {
+impl Request {
     /// Finds the job's parameters in its scene, and reads its pictures.
     pub fn new(job: &Job, scene: &Scene, settings: &Settings) -> Result<Self, Failure> {
         let keys = job.params.as_ref();
         match (job.mode, keys) {
-            (Mode::Forward, Some(Keys::Tangents(tangents))) => Ok(Question::Forward(
+            (Mode::Forward, Some(Keys::Tangents(tangents))) => Ok(Request::Forward(
                 direction::resolve(scene, &tangents.0, settings.sensor)?,
             )),
             (Mode::Backward, Some(Keys::Names(names))) => {
@@ -90,13 +42,13 @@ impl Question {
                         "backward needs an adjoint or a target".into(),
                     ));
                 };
-                Ok(Question::Backward {
+                Ok(Request::Backward {
                     parameters,
-                    image: settings::image(file, settings::size(settings, scene))?,
+                    image: pictures::image(file, settings::size(settings, scene))?,
                     loss: job.target.is_some().then(|| job.loss.unwrap_or_default()),
                 })
             }
-            _ => Ok(Question::Render),
+            _ => Ok(Request::Render),
         }
     }
 
@@ -109,7 +61,7 @@ impl Question {
     ) -> Result<Done, Failure> {
         let failed = |error| Failure::from_engine(error, None);
         match self {
-            Question::Render => {
+            Request::Render => {
                 let done = prepared.render(settings, progress).map_err(failed)?;
                 Ok(Done {
                     results: Results::Image(done.image),
@@ -117,7 +69,7 @@ impl Question {
                     statistics: done.statistics,
                 })
             }
-            Question::Forward(direction) => {
+            Request::Forward(direction) => {
                 let mut done = prepared
                     .forward(settings, direction, progress)
                     .map_err(failed)?;
@@ -129,7 +81,7 @@ impl Question {
                     statistics,
                 })
             }
-            Question::Backward {
+            Request::Backward {
                 parameters,
                 image,
                 loss,

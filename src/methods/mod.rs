@@ -32,7 +32,7 @@ pub use differences::IMAGES as DIFFERENCE_IMAGES;
 pub use dispatch::{backward, forward, render};
 pub use edits::Edits;
 pub use error::EngineError;
-pub use estimators::Method;
+pub use estimators::{Discontinuity, ESTIMATORS, Method, NOT_BUILT_YET};
 pub use groups::{equal_groups, group_count};
 pub use objective::{Evaluation, Objective, inner_product};
 pub use parts::{Parts, views};

@@ -126,7 +126,7 @@ impl JobFile {
                 std::io::ErrorKind::NotFound | std::io::ErrorKind::IsADirectory => {
                     Failure::Input(what)
                 }
-                _ => Failure::World(what),
+                _ => Failure::System(what),
             }
         })?;
         let mut register = Register::new(earlier);

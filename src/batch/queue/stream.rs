@@ -59,7 +59,7 @@ impl Stream {
             }
             Ok(Err(error)) => {
                 let what = atomic::plain(&error);
-                Next::Failed(Failure::World(format!("standard input: {what}")))
+                Next::Failed(Failure::System(format!("standard input: {what}")))
             }
             Err(RecvTimeoutError::Timeout) => Next::NotYet,
             Err(RecvTimeoutError::Disconnected) => Next::End,

@@ -159,7 +159,7 @@ fn lock(directory: &Path) -> Result<File, Failure> {
     let file =
         File::open(directory).map_err(|error| FileError::io(directory, atomic::plain(&error)))?;
     match file.try_lock() {
-        Err(fs::TryLockError::WouldBlock) => Err(Failure::World(format!(
+        Err(fs::TryLockError::WouldBlock) => Err(Failure::System(format!(
             "{}: another batch is writing there",
             directory.display()
         ))),

@@ -2,7 +2,8 @@
 
 use crate::batch::samples::share::Share;
 use crate::jobs::failure::Failure;
-use crate::jobs::{id::check_id, job::without_line};
+use crate::jobs::id::check_id;
+use crate::jobs::read::without_line;
 use crate::methods::Statistics;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

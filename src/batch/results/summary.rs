@@ -1,7 +1,7 @@
 //! How a batch goes, and how it went.
 
 use super::line::ResultLine;
-use crate::jobs::settings::counted;
+use crate::jobs::shown::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -3,11 +3,12 @@
 
 use crate::batch::queue::shard::Shard;
 use crate::jobs::failure::Failure;
-use crate::jobs::job::{Job, Mode};
-use crate::jobs::request::{Question, Results, objective};
+use crate::jobs::job::Job;
+use crate::jobs::mode::Mode;
+use crate::jobs::request::{Request, objective};
+use crate::jobs::results::Results;
 use crate::methods::{
-    Evaluation, Groups, Image, Method, Objective, Prepared, Progress, Settings, Statistics,
-    equal_groups,
+    Evaluation, Groups, Image, Objective, Prepared, Progress, Settings, Statistics, equal_groups,
 };
 use crate::output::tensors::Tensor;
 use serde::{Deserialize, Serialize};
@@ -75,16 +76,17 @@ pub fn own_groups(settings: &Settings, shard: Shard) -> Vec<u32> {
 /// Does the groups of `shard`.
 pub fn answer(
     job: &Job,
-    question: &Question,
+    request: &Request,
     shard: Shard,
     prepared: &Prepared,
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Partial, Failure> {
-    if settings.method == Method::Fd {
-        return Err(Failure::Input(
-            "method: finite differences cannot be shared out by samples; use --split jobs".into(),
-        ));
+    if !settings.method.shares_samples() {
+        return Err(Failure::Input(format!(
+            "method: {} cannot be shared out by samples; use --split jobs",
+            settings.method.title()
+        )));
     }
     let count = group_count(settings);
     let done = own_groups(settings, shard);
@@ -92,8 +94,8 @@ pub fn answer(
         share: Share {
             mode: job.mode,
             groups: count,
-            keys: match question {
-                Question::Backward { parameters, .. } => {
+            keys: match request {
+                Request::Backward { parameters, .. } => {
                     parameters.iter().map(|p| p.key.clone()).collect()
                 }
                 _ => Vec::new(),
@@ -109,7 +111,7 @@ pub fn answer(
     if partial.share.done.is_empty() {
         return Ok(partial);
     }
-    let evaluated = partial.evaluate(question, prepared, settings, progress)?;
+    let evaluated = partial.evaluate(request, prepared, settings, progress)?;
     for group in partial.share.done.clone() {
         let settings = Settings {
             groups: Some(Groups {
@@ -118,17 +120,17 @@ pub fn answer(
             }),
             ..settings.clone()
         };
-        let done = match (&evaluated, question) {
-            (Some(evaluated), Question::Backward { parameters, .. }) => {
+        let done = match (&evaluated, request) {
+            (Some(evaluated), Request::Backward { parameters, .. }) => {
                 // The derivative by the image is the same in all groups.
-                let given = Question::Backward {
+                let given = Request::Backward {
                     parameters: parameters.clone(),
                     image: evaluated.adjoint.clone(),
                     loss: None,
                 };
                 given.answer(prepared, &settings, progress)?
             }
-            _ => question.answer(prepared, &settings, progress)?,
+            _ => request.answer(prepared, &settings, progress)?,
         };
         partial.statistics.absorb(&done.statistics);
         let has_image = evaluated.as_ref().is_some_and(|e| e.image.is_some());
@@ -141,12 +143,12 @@ impl Partial {
     /// Of a backward job, the derivative by the image; keeps what only the whole job has, once.
     fn evaluate(
         &mut self,
-        question: &Question,
+        request: &Request,
         prepared: &Prepared,
         settings: &Settings,
         progress: &dyn Progress,
     ) -> Result<Option<Evaluation>, Failure> {
-        let Question::Backward { image, loss, .. } = question else {
+        let Request::Backward { image, loss, .. } = request else {
             return Ok(None);
         };
         let objective: Objective = objective(image, *loss);

@@ -2,8 +2,8 @@
 
 use super::share::{Share, of_group};
 use crate::jobs::failure::Failure;
-use crate::jobs::job::Mode;
-use crate::jobs::request::Results;
+use crate::jobs::mode::Mode;
+use crate::jobs::results::Results;
 use crate::methods::{ForwardGradient, Image};
 use crate::output::gradients;
 use crate::output::tensors::{Tensor, TensorFile};
@@ -67,7 +67,7 @@ impl Sum<'_> {
 
     fn mean(&self, name: &str) -> Result<(Image, Option<Image>), Failure> {
         let groups: Vec<Image> = self.groups(name)?.iter().map(as_image).collect();
-        let no_room = |error: NoRoom| Failure::World(error.to_string());
+        let no_room = |error: NoRoom| Failure::System(error.to_string());
         let (width, height) = (groups[0].width, groups[0].height);
         let mut mean = ImageMean::new(width * height, self.share.groups).map_err(no_room)?;
         for group in &groups {

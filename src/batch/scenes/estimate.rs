@@ -1,8 +1,9 @@
 //! How much memory things take: estimates from above, calibrated in `docs/batch.md`.
 
-use crate::jobs::job::{Job, Mode};
+use crate::jobs::job::Job;
+use crate::jobs::mode::Mode;
 use crate::jobs::settings;
-use crate::methods::{Settings, group_count};
+use crate::methods::Settings;
 use crate::scene::Scene;
 
 /// Bytes of a triangle in Embree: its own copy of the indices, and the hierarchy over robust triangles.
@@ -70,11 +71,7 @@ fn texels(scene: &Scene) -> u64 {
 pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     let [width, height] = settings::size(settings, scene).map(u64::from);
     let pixels = width * height;
-    let groups = match (settings.groups, settings.standard_error) {
-        (Some(groups), _) => u64::from(groups.count),
-        (None, true) => u64::from(group_count(settings.spp)),
-        (None, false) => 1,
-    };
+    let groups = u64::from(settings.groups().count);
     let [vertices, _] = counts(scene);
     // Single sums of a group, double ones of all, and their squares.
     let image = pixels * (12 + 24 + if groups > 1 { 24 } else { 0 });
@@ -83,7 +80,9 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     let tiles = settings.threads as u64 * (TILE_BYTES + WAITING_TILES * (2 << 16));
     let own = match job.mode {
         Mode::Render => image,
-        Mode::Forward if job.is_fd() => pixels * (24 + 12) * (groups + 1) + of_scene(scene),
+        Mode::Forward if settings.method.displaces_scenes() => {
+            pixels * (24 + 12) * (groups + 1) + of_scene(scene)
+        }
         // The directions of all vertices, and their motion.
         Mode::Forward => 2 * image + 3 * 12 * vertices,
         Mode::Backward => {

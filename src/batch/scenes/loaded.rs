@@ -115,7 +115,7 @@ impl Loaded {
 
     /// A structure over `moved`, the scene with other vertices: refitted, or built anew where boxes would get loose.
     pub fn follow(&self, moved: &Scene, edits: &Edits, threads: usize) -> Result<Lease, Failure> {
-        let failed = |error: crate::trace::TraceError| Failure::World(error.to_string());
+        let failed = |error: crate::trace::TraceError| Failure::System(error.to_string());
         let options = AccelOptions::new(true, threads).on(self.backend);
         let base = views(&self.scene.meshes);
         let now = views(&moved.meshes);

@@ -3,7 +3,7 @@
 use super::loaded::Stamp;
 use super::store::Reservation;
 use crate::jobs::failure::Failure;
-use crate::jobs::machine;
+use crate::jobs::shown;
 use crate::picture;
 use crate::room::Cancelled;
 use crate::scene::source::{Disk, FileSource};
@@ -57,10 +57,10 @@ impl<'a> Counted<'a> {
             }
             Err(failure) => {
                 inner.refusal = Some(match failure {
-                    Failure::World(what) => Failure::World(format!(
+                    Failure::System(what) => Failure::System(format!(
                         "{}: reading it takes about {}: {what}",
                         path.display(),
-                        machine::shown(bytes)
+                        shown::bytes(bytes)
                     )),
                     other => other,
                 });

@@ -7,6 +7,7 @@
 use super::loaded::Loaded;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
+use crate::jobs::shown;
 use crate::methods::Workers;
 use crate::room::{self, Cancelled};
 use crate::trace::Backend;
@@ -186,7 +187,7 @@ impl Store {
                 },
                 was_loaded,
             }),
-            None => Err(Failure::World(
+            None => Err(Failure::System(
                 "a scene was lost between two looks at it".into(),
             )),
         }
@@ -257,16 +258,16 @@ impl Ledger {
 
     fn too_large(&self, what: &str, bytes: u64, state: &State) -> Failure {
         if state.used + bytes <= self.limit {
-            return Failure::World(format!(
+            return Failure::System(format!(
                 "{what} needs about {}, which the system does not give: see `ulimit -v`",
-                machine::shown(bytes)
+                shown::bytes(bytes)
             ));
         }
-        Failure::World(format!(
+        Failure::System(format!(
             "{what} needs about {} beside {} in use, more than --memory {} has",
-            machine::shown(bytes),
-            machine::shown(state.used),
-            machine::shown(self.limit)
+            shown::bytes(bytes),
+            shown::bytes(state.used),
+            shown::bytes(self.limit)
         ))
     }
 }
