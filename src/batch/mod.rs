@@ -1,6 +1,8 @@
 //! Batches of jobs that lose nothing.
 
 pub mod merge;
+pub mod one_job;
+pub mod options;
 pub mod queue;
 pub mod results;
 pub mod run;

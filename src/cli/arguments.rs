@@ -2,7 +2,7 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
-use crate::batch::queue::shard::ShardChoice;
+use crate::batch::queue::scheduler::ShardChoice;
 use crate::jobs::settings::MOST_SAMPLES;
 use crate::methods::Method;
 use crate::trace::Backend;

@@ -1,6 +1,6 @@
 //! How the values of options are written. Each function says what is wrong and what would be right.
 
-use crate::batch::queue::shard::ShardChoice;
+use crate::batch::queue::scheduler::ShardChoice;
 use crate::jobs::numbers::Numbers;
 use crate::jobs::resolution;
 use crate::methods::{ESTIMATORS, NOT_BUILT_YET};

@@ -1,6 +1,7 @@
 //! What of a scene has changed, and so what of its parts must be made anew.
 
 use crate::scene::Scene;
+use crate::scene::parameters::Target;
 
 /// What of a scene is no longer as it was when its [`Parts`] were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,26 @@ impl Edits {
             moved: vec![false; scene.meshes.len()],
             textures: vec![false; scene.textures.len()],
             environment: false,
+        }
+    }
+
+    /// Notes that the numbers behind `target` have changed.
+    pub fn mark(&mut self, target: Target) {
+        match target {
+            Target::VertexPositions(mesh)
+            | Target::ShapeTranslation(mesh)
+            | Target::ShapeRotation(mesh)
+            | Target::ShapeScale(mesh) => self.moved[mesh] = true,
+            Target::Texels(texture) | Target::Texel { texture, .. } | Target::ToUv(texture) => {
+                self.textures[texture] = true
+            }
+            Target::EnvironmentScale | Target::EnvironmentRotation => self.environment = true,
+            // Cameras and lights without an extent are read from the scene itself.
+            Target::SensorTranslation(_)
+            | Target::SensorRotation(_)
+            | Target::SensorXFov(_)
+            | Target::DeltaLightPosition(_)
+            | Target::DeltaLightTranslation(_) => {}
         }
     }
 

@@ -1,6 +1,6 @@
 //! Lines that come one by one, for ever perhaps.
 
-use super::intake::{Entry, Line, Register};
+use super::register::{Entry, Line, Register};
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
 use std::io::BufRead;

@@ -1,8 +1,8 @@
 //! What is said of a job when it has ended: a line of `results.jsonl`.
 
-use crate::batch::samples::share::Share;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::check_id;
+use crate::jobs::mode::Mode;
 use crate::jobs::read::without_line;
 use crate::methods::Statistics;
 use serde::{Deserialize, Serialize};
@@ -56,7 +56,36 @@ pub struct ResultLine {
     pub share: Option<Share>,
 }
 
+/// What a result line says of a share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    pub mode: Mode,
+    /// Groups of the whole job.
+    pub groups: u32,
+    /// The groups done here.
+    pub done: Vec<u32>,
+    /// The parameters of a backward job, in its order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keys: Vec<String>,
+    /// Whether standard errors are wanted.
+    pub stderr: bool,
+    /// Files that are wanted, if not all are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outputs: Option<Vec<String>>,
+}
+
 impl ResultLine {
+    /// A job that is being run.
+    pub fn begun(id: &str, line: usize, job: &str) -> Self {
+        Self {
+            id: Some(id.into()),
+            line,
+            job: job.into(),
+            status: "ok".into(),
+            ..Self::default()
+        }
+    }
+
     /// A job that did not get as far as having results.
     pub fn failed(id: Option<String>, line: usize, job: String, failure: &Failure) -> Self {
         Self {
@@ -82,10 +111,15 @@ impl ResultLine {
         Ok(result)
     }
 
+    /// Adds to a stage's time.
+    pub fn spend(&mut self, stage: &str, seconds: f64) {
+        *self.seconds.entry(stage.into()).or_default() += seconds;
+    }
+
     /// Takes over what the engine counted.
     pub fn absorb(&mut self, statistics: &Statistics) {
         for (&stage, &seconds) in &statistics.seconds {
-            *self.seconds.entry(stage.into()).or_default() += seconds;
+            self.spend(stage, seconds);
         }
         for (&kind, &count) in &statistics.rays {
             *self.rays.entry(kind.into()).or_default() += count;

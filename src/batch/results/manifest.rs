@@ -1,6 +1,5 @@
 //! `batch.json`: what a folder holds the results of, for `merge` and `--resume`.
 
-use crate::batch::run::Options;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::MANIFEST;
 use crate::output::{FileError, atomic};
@@ -24,18 +23,6 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    pub fn new(options: &Options, jobs: String) -> Self {
-        let (shard, shards) = options.shard.map_or((1, 1), |s| (s.index, s.count));
-        Self {
-            version: env!("CARGO_PKG_VERSION").into(),
-            jobs,
-            shard,
-            shards,
-            split: options.split.name().into(),
-            backend: options.backend.to_string(),
-        }
-    }
-
     /// Writes it; a batch that is resumed must be the same shard as before. Jobs may have been added since.
     pub fn write(&self, directory: &Path, resumes: bool) -> Result<(), Failure> {
         if resumes && directory.join(MANIFEST).exists() {

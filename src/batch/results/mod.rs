@@ -5,3 +5,4 @@ pub mod journal;
 pub mod line;
 pub mod manifest;
 pub mod summary;
+pub mod tally;

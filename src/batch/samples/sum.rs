@@ -1,6 +1,7 @@
 //! The groups of a job's samples, added up in their order.
 
-use super::share::{Share, of_group};
+use super::share::{as_image, of_group};
+use crate::batch::results::line::Share;
 use crate::jobs::failure::Failure;
 use crate::jobs::mode::Mode;
 use crate::jobs::results::Results;
@@ -80,14 +81,5 @@ impl Sum<'_> {
             pixels,
         };
         Ok((image(mean), error.map(image)))
-    }
-}
-
-fn as_image(tensor: &Tensor) -> Image {
-    let side = |axis: usize| tensor.shape.get(axis).copied().unwrap_or(0);
-    Image {
-        width: side(1),
-        height: side(0),
-        pixels: tensor.values.as_chunks::<3>().0.to_vec(),
     }
 }

@@ -1,7 +1,6 @@
 //! Files of a scene, whose memory is counted before they are read.
 
-use super::loaded::Stamp;
-use super::store::Reservation;
+use super::ledger::Reservation;
 use crate::jobs::failure::Failure;
 use crate::jobs::shown;
 use crate::picture;
@@ -10,26 +9,45 @@ use crate::scene::source::{Disk, FileSource};
 use std::cell::RefCell;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Bytes in memory for each byte of a mesh or scene file while it is being read: the file, what is parsed of it, and
 /// the mesh.
 const GROWTH: u64 = 4;
 
+/// When a file was last changed, and its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+impl Stamp {
+    /// Of the file as it is now.
+    pub fn of(path: &Path) -> Option<Self> {
+        let metadata = std::fs::metadata(path).ok()?;
+        Some(Self {
+            modified: metadata.modified().ok(),
+            length: metadata.len(),
+        })
+    }
+}
+
 /// The disk; what is read from it is counted and remembered.
-pub struct Counted<'a> {
-    inner: RefCell<Inner<'a>>,
+pub struct Counted<'a, S> {
+    inner: RefCell<Inner<'a, S>>,
     cancelled: Cancelled<'a>,
 }
 
-struct Inner<'a> {
-    reservation: &'a mut Reservation,
+struct Inner<'a, S> {
+    reservation: &'a mut Reservation<S>,
     bytes: u64,
     files: Vec<(PathBuf, Stamp)>,
     refusal: Option<Failure>,
 }
 
-impl<'a> Counted<'a> {
-    pub fn new(reservation: &'a mut Reservation, cancelled: Cancelled<'a>) -> Self {
+impl<'a, S> Counted<'a, S> {
+    pub fn new(reservation: &'a mut Reservation<S>, cancelled: Cancelled<'a>) -> Self {
         Self {
             inner: RefCell::new(Inner {
                 reservation,
@@ -70,7 +88,7 @@ impl<'a> Counted<'a> {
     }
 }
 
-impl FileSource for Counted<'_> {
+impl<S> FileSource for Counted<'_, S> {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         if (self.cancelled)() {
             self.inner.borrow_mut().refusal = Some(Failure::Interrupted(2));

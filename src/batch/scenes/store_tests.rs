@@ -1,6 +1,8 @@
 //! Many jobs at once, in little memory: all end, and all memory comes back.
 
 use super::*;
+use crate::batch::scenes::estimate;
+use std::time::Duration;
 
 const SCENE: &str = r#"<scene version="3.0.0"><integrator type="path"/>
   <sensor type="perspective"><float name="fov" value="40"/><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
@@ -19,14 +21,7 @@ fn store(directory: &std::path::Path, room: u64) -> (Store, Vec<SceneKey>) {
     };
     let store = Store::new(0, Workers::new(1).unwrap(), Backend::default());
     let base = store.ledger.lock().used;
-    let ledger = Ledger {
-        limit: base + room,
-        state: Mutex::new(State {
-            used: base,
-            ..State::default()
-        }),
-        changed: Condvar::new(),
-    };
+    let ledger = Ledger::new(base + room, base);
     let store = Store {
         ledger: Arc::new(ledger),
         ..store
@@ -47,7 +42,7 @@ fn many_jobs_in_little_memory_all_end() {
                 for i in 0..60 {
                     let key = &keys[(i / 3 + thread) % SCENES];
                     let admitted = store.admit(key, |_| Ok(1 << 16), &|| false).unwrap();
-                    assert!(store.ledger.lock().used <= store.ledger.limit);
+                    assert!(store.ledger.lock().used <= base + (5 << 19));
                     assert_eq!(admitted.loaded.scene.meshes.len(), 1);
                 }
             });
@@ -59,7 +54,7 @@ fn many_jobs_in_little_memory_all_end() {
     let scenes: u64 = state
         .scenes
         .values()
-        .map(|slot| crate::batch::scenes::estimate::of_scene(&slot.loaded.scene))
+        .map(|slot| estimate::of_scene(&slot.scene.scene))
         .sum();
     assert_eq!(state.used, base + scenes);
 }
