@@ -63,7 +63,7 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Regular::open(path)?.all()
 }
 
-/// Whether the user has named something that is no file, rather than the world having failed.
+/// Whether the user has named something that is no file, rather than the system having failed.
 pub fn is_misnamed(error: &io::Error) -> bool {
     matches!(
         error.kind(),

@@ -1,7 +1,7 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `room → files → lanes → picture → scene → trace → kernels → adjoint → warp → paths → gradient → methods → output → bench → batch → cli`.
+//! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint → discontinuity → paths → boundary → gradient → methods → output → jobs → bench → batch → cli`.
 
 pub mod adjoint;
 pub mod batch;
@@ -11,6 +11,7 @@ pub mod cli;
 pub mod discontinuity;
 pub mod files;
 pub mod gradient;
+pub mod jobs;
 pub mod kernels;
 pub mod lanes;
 pub mod methods;
@@ -19,4 +20,5 @@ pub mod paths;
 pub mod picture;
 pub mod room;
 pub mod scene;
+pub mod statistics;
 pub mod trace;

@@ -1,13 +1,14 @@
 //! Shards put together: of jobs, by collecting them; of samples, by adding groups in their order.
 
-use super::failure::Failure;
-use super::folder;
-use super::journal::{self, Journal, RESULTS};
-use super::manifest::Manifest;
-use super::result::ResultLine;
-use super::share::PARTIAL;
-use super::sum::Sum;
-use super::task::Results;
+use crate::batch::results::folder;
+use crate::batch::results::journal::{self, Journal};
+use crate::batch::results::line::ResultLine;
+use crate::batch::results::manifest::Manifest;
+use crate::batch::samples::share::PARTIAL;
+use crate::batch::samples::sum::Sum;
+use crate::jobs::failure::Failure;
+use crate::jobs::id::RESULTS;
+use crate::jobs::results::Results;
 use crate::methods::inner_product;
 use crate::output::tensors::TensorFile;
 use crate::output::{FileError, atomic};

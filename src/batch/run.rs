@@ -1,28 +1,22 @@
 //! A batch: several jobs at a time, all on the same threads, until there are no more.
 
-use super::attachments;
-use super::failure::Failure;
-use super::folder;
-use super::intake::{Entry, JobFile, Line, Register};
-use super::job::Job;
-use super::journal::Journal;
-use super::loaded::Loaded;
-use super::manifest::Manifest;
-use super::memory;
-use super::result::ResultLine;
-use super::shard::{Shard, Split};
-use super::share;
-use super::store::{SceneKey, Store};
-use super::stream::{Next, Stream};
-use super::summary::{Summary, Tally};
-use super::task::{Question, Stand};
+use super::one_job::Shared;
+use super::options::{Options, Watch};
+use super::queue::intake::JobFile;
+use super::queue::register::{Entry, Line, Register};
+use super::queue::stream::{Next, Stream};
+use super::results::folder;
+use super::results::journal::Journal;
+use super::results::line::ResultLine;
+use super::results::summary::Summary;
+use super::results::tally::Tally;
+use super::scenes::store::Store;
+use crate::jobs::failure::Failure;
+use crate::jobs::machine;
 use crate::methods::{Progress, Workers};
-use crate::output::results::{self, ResultFile};
-use crate::trace::Backend;
-use std::collections::BTreeMap;
 use std::io::{BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -30,38 +24,13 @@ use std::time::Instant;
 /// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads busy.
 const SPARE_JOBS: usize = 2;
 
-/// How a batch is run.
-#[derive(Clone, Debug)]
-pub struct Options {
-    pub directory: PathBuf,
-    pub resume: bool,
-    pub threads: usize,
-    pub memory_bytes: u64,
-    pub shard: Option<Shard>,
-    pub split: Split,
-    /// What traces the rays.
-    pub backend: Backend,
-}
-
-/// Who is told how the batch goes. Several threads tell.
-pub trait Watch: Sync {
-    /// `total` jobs are to be run, or an unknown number; an earlier run has done `skipped`.
-    fn begin(&self, total: Option<usize>, skipped: usize);
-    /// Something has gone on: called often.
-    fn advance(&self, tally: &Tally);
-    /// A job has ended.
-    fn ended(&self, result: &ResultLine, tally: &Tally);
-    /// Whether the user wants to stop, and by which signal.
-    fn signal(&self) -> Option<u8>;
-}
-
 /// Runs the jobs of a file.
 pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
     let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
-    let shard = options.shard.filter(|_| options.split == Split::Jobs);
-    let file = JobFile::read(path, shard, earlier)?;
-    Manifest::new(options, file.hash).write(&options.directory, options.resume)?;
+    let file = JobFile::read(path, options.shard_of_jobs(), earlier)?;
+    let manifest = options.manifest(file.hash);
+    manifest.write(&options.directory, options.resume)?;
     // Nothing was changed before all was known to be in order.
     folder::sweep(&options.directory)?;
     let journal = found.begin()?;
@@ -108,10 +77,8 @@ pub fn of_stream(
 }
 
 struct Batch<'a> {
-    options: &'a Options,
+    shared: Shared<'a>,
     watch: &'a dyn Watch,
-    workers: Workers,
-    store: Store,
     journal: Mutex<Journal>,
     output: Option<Mutex<Box<dyn Write + Send>>>,
     tally: Tally,
@@ -136,10 +103,12 @@ impl<'a> Batch<'a> {
         let workers =
             Workers::new(options.threads).map_err(|error| Failure::from_engine(error, None))?;
         Ok(Self {
-            options,
+            shared: Shared {
+                options,
+                store: Store::new(options.memory_bytes, workers.clone(), options.backend),
+                workers,
+            },
             watch,
-            store: Store::new(options.memory_bytes, workers.clone(), options.backend),
-            workers,
             journal: Mutex::new(journal),
             output: output.map(Mutex::new),
             tally: Tally::start(total),
@@ -155,10 +124,10 @@ impl<'a> Batch<'a> {
         skipped: usize,
     ) -> Result<Summary, Failure> {
         let started = Instant::now();
-        let processor = memory::processor_seconds();
+        let processor = machine::processor_seconds();
         let summary = Mutex::new(Summary::default());
         std::thread::scope(|scope| {
-            for started in 0..self.options.threads + SPARE_JOBS {
+            for started in 0..self.shared.options.threads + SPARE_JOBS {
                 let work = || {
                     while !self.is_stopped() {
                         let Some(line) = next() else { return };
@@ -177,7 +146,7 @@ impl<'a> Batch<'a> {
                 // One is enough, where there is no memory for more.
                 match std::thread::Builder::new().spawn_scoped(scope, work) {
                     Err(error) if started == 0 => {
-                        self.stop(Failure::World(format!("no thread for jobs: {error}")));
+                        self.stop(Failure::System(format!("no thread for jobs: {error}")));
                     }
                     _ => {}
                 }
@@ -192,11 +161,11 @@ impl<'a> Batch<'a> {
         let mut summary = summary.into_inner().unwrap_or_else(PoisonError::into_inner);
         summary.skipped = skipped;
         summary.seconds = started.elapsed().as_secs_f64();
-        summary.threads = self.options.threads;
-        summary.scene_loads = self.store.loads();
-        summary.memory_bytes = self.options.memory_bytes;
-        summary.peak_memory_bytes = memory::peak();
-        let used = memory::processor_seconds().zip(processor);
+        summary.threads = self.shared.options.threads;
+        summary.scene_loads = self.shared.store.loads();
+        summary.memory_bytes = self.shared.options.memory_bytes;
+        summary.peak_memory_bytes = machine::peak();
+        let used = machine::processor_seconds().zip(processor);
         summary.processor_seconds = used.map(|(now, then)| now - then);
         Ok(summary)
     }
@@ -229,10 +198,16 @@ impl<'a> Batch<'a> {
 
     /// Runs a job; `None` if it was interrupted.
     fn result_of(&self, line: Line) -> Option<ResultLine> {
-        let run = || self.run_job(&line);
+        let run = || {
+            let progress = JobProgress {
+                batch: self,
+                told: AtomicU64::new(0),
+            };
+            self.shared.run(&line, &progress)
+        };
         let ended = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
             // The panic has told its place on stderr. The other jobs have nothing to do with it.
-            Err(Failure::World(
+            Err(Failure::System(
                 "a fault in warpath ended this job; please report it".into(),
             ))
         });
@@ -246,101 +221,6 @@ impl<'a> Batch<'a> {
                 Some(failure)
             }
         }
-    }
-
-    fn run_job(&self, line: &Line) -> Result<ResultLine, Failure> {
-        if let Some(refusal) = &line.refusal {
-            return Err(refusal.clone());
-        }
-        let job = Job::parse(&line.text)?;
-        let threads = self.options.threads;
-        let wishes = job.wishes(threads, self.options.backend);
-        let key = SceneKey {
-            path: job.scene.clone(),
-            defines: job.definitions(),
-        };
-        let shared = self
-            .options
-            .shard
-            .filter(|_| self.options.split == Split::Samples);
-        let waited = Instant::now();
-        let bytes = |loaded: &Loaded| {
-            let settings = wishes.settle(&loaded.scene)?;
-            let kept = shared.map_or(0, |shard| share::own_groups(&settings, shard).len());
-            let files = attachments::bytes_needed(&job, &loaded.scene, &settings)?;
-            Ok(files + memory::of_job(&loaded.scene, &settings, &job, kept as u64))
-        };
-        let admission = self.store.admit(&key, bytes, &|| self.is_stopped())?;
-        let mut result = ResultLine {
-            id: Some(job.id.clone()),
-            line: line.number,
-            job: line.hash.clone(),
-            status: "ok".into(),
-            ..ResultLine::default()
-        };
-        let admitted = Instant::now();
-        let mut spend = |stage: &str, seconds: f64| {
-            *result.seconds.entry(stage.to_string()).or_default() += seconds;
-        };
-        let loaded = &*admission.loaded;
-        spend("wait", (admitted - waited).as_secs_f64());
-        if admission.was_loaded {
-            spend("load", loaded.load_seconds);
-            spend("build", loaded.build_seconds);
-        }
-        let stand = Stand::new(&job, loaded, threads)?;
-        let settings = wishes.settle(stand.scene())?;
-        let question = Question::new(&job, stand.scene(), &settings)?;
-        let prepared = stand.prepare(&self.workers, &|| self.is_stopped())?;
-        spend("prepare", admitted.elapsed().as_secs_f64());
-        result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
-        result.rebuilt = stand.is_rebuilt();
-        let progress = JobProgress {
-            batch: self,
-            told: AtomicU64::new(0),
-        };
-        match shared {
-            Some(shard) => {
-                let partial =
-                    share::answer(&job, &question, shard, &prepared, &settings, &progress)?;
-                drop(prepared);
-                stand.finish();
-                result.absorb(&partial.statistics);
-                result.loss = partial.loss;
-                if !partial.tensors.is_empty() {
-                    let file = results::partial(share::PARTIAL, &partial.tensors)?;
-                    self.write(&job, &[file], &mut result)?;
-                }
-                result.share = Some(partial.share);
-            }
-            None => {
-                let done = question.answer(&prepared, &settings, &progress)?;
-                drop(prepared);
-                stand.finish();
-                result.absorb(&done.statistics);
-                result.loss = done.loss;
-                result.norms = done.results.norms().into_iter().collect::<BTreeMap<_, _>>();
-                let mut files = done.results.files()?;
-                files.retain(|file| job.writes(file.name));
-                self.write(&job, &files, &mut result)?;
-            }
-        }
-        let total = admitted.elapsed().as_secs_f64();
-        result.seconds.insert("total".into(), total);
-        Ok(result)
-    }
-
-    fn write(
-        &self,
-        job: &Job,
-        files: &[ResultFile],
-        result: &mut ResultLine,
-    ) -> Result<(), Failure> {
-        let start = Instant::now();
-        result.files = folder::write(&self.options.directory, &job.id, files)?;
-        let seconds = start.elapsed().as_secs_f64();
-        result.seconds.insert("write".into(), seconds);
-        Ok(())
     }
 }
 

@@ -266,7 +266,7 @@ impl Bench<'_> {
             hide_emitters: scene.integrator.hide_emitters,
             sensor: 0,
             resolution: Some(GRADIENT_SIZE),
-            method: Method::Reparam,
+            method: Method::default(),
             backend,
             standard_error: true,
             groups: None,

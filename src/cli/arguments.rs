@@ -2,8 +2,9 @@
 //! Nothing here looks at a scene or does any work.
 
 use super::values;
-use crate::batch::settings::MOST_SAMPLES;
-use crate::batch::shard::ShardChoice;
+use crate::batch::queue::scheduler::ShardChoice;
+use crate::jobs::settings::MOST_SAMPLES;
+use crate::methods::Method;
 use crate::trace::Backend;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -14,7 +15,7 @@ const EXIT_CODES: &str = "Exit codes:
   1         a check said no
   2         wrong usage
   3         the input is bad: scene, parameter, mesh, image, job
-  4         the world failed: files, memory
+  4         the system failed: files, memory
   5         a batch finished, some of its jobs failed
   6         check cannot tell: the noise is larger than what it looks for
   130, 143  interrupted; what was finished is on disk";
@@ -197,8 +198,8 @@ pub struct ForwardArguments {
     #[arg(short, long = "param", value_name = "KEY=TANGENT", required = true, value_parser = values::tangent)]
     pub parameters: Vec<values::Tangent>,
     /// How visibility is differentiated
-    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
-    pub method: MethodName,
+    #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
+    pub method: String,
     /// Leaves standard errors out, which saves their memory
     #[arg(long)]
     pub no_stderr: bool,
@@ -223,8 +224,8 @@ pub struct BackwardArguments {
     #[arg(long, value_enum, default_value_t = Loss::L2, conflicts_with = "adjoint")]
     pub loss: Loss,
     /// How visibility is differentiated
-    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
-    pub method: MethodName,
+    #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
+    pub method: String,
     /// Leaves standard errors out, which saves their memory
     #[arg(long)]
     pub no_stderr: bool,
@@ -239,8 +240,8 @@ pub struct CheckArguments {
     #[arg(short, long = "param", value_name = "KEY=TANGENT", required = true, value_parser = values::tangent)]
     pub parameters: Vec<values::Tangent>,
     /// The method to check against finite differences
-    #[arg(short, long, value_enum, default_value_t = MethodName::Reparam)]
-    pub method: MethodName,
+    #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
+    pub method: String,
     /// What is significant but smaller than this passes: of the gradient along the image of finite differences,
     /// and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
     #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
@@ -334,23 +335,6 @@ pub enum LogFormat {
     Text,
     /// One JSON object a line
     Json,
-}
-
-/// The estimators. Hidden ones are known but not built yet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MethodName {
-    /// Changes of variables that hold the discontinuities still
-    Reparam,
-    /// Ignores visibility: wrong wherever an edge moves
-    Interior,
-    /// Finite differences: the reference
-    Fd,
-    #[value(hide = true)]
-    Auto,
-    #[value(hide = true)]
-    Edges,
-    #[value(hide = true)]
-    WarpedArea,
 }
 
 /// How an image is compared with its target.

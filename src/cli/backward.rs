@@ -3,8 +3,8 @@
 use super::arguments::{BackwardArguments, Loss};
 use super::exit::Failure;
 use super::session::{self, Session};
-use crate::batch::{direction, settings};
-use crate::methods::{self, Method, Objective};
+use crate::jobs::{direction, pictures};
+use crate::methods::{self, Objective};
 use crate::output::tensors::Tensor;
 use crate::output::{gradients, results};
 use serde_json::json;
@@ -12,11 +12,12 @@ use std::ffi::OsString;
 
 /// Writes one tensor a key with its standard error, and the image.
 pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Failure> {
-    let method = session::method(arguments.method)?;
-    if method == Method::Fd {
-        return Err(Failure::Usage(
-            "--method fd has no reverse mode; use it with forward, or use check".into(),
-        ));
+    let method = session::method(&arguments.method)?;
+    if !method.has_reverse_mode() {
+        return Err(Failure::Usage(format!(
+            "--method {} has no reverse mode; use it with forward, or use check",
+            method.name()
+        )));
     }
     let mut session = Session::open(
         "backward",
@@ -28,7 +29,7 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
     let keys: Vec<&str> = arguments.parameters.iter().map(String::as_str).collect();
     let parameters = direction::find(&session.scene, &keys, session.settings.sensor)?;
     let image = match (&arguments.adjoint, &arguments.target) {
-        (Some(file), _) | (None, Some(file)) => settings::image(file, session.resolution())?,
+        (Some(file), _) | (None, Some(file)) => pictures::image(file, session.resolution())?,
         (None, None) => return Err(Failure::Usage("give --adjoint or --target".into())),
     };
     let objective = match (&arguments.adjoint, arguments.loss) {

@@ -7,11 +7,12 @@ use super::log::Log;
 use super::session;
 use super::signals::Signals;
 use super::values::Memory;
-use crate::batch::manifest::REPORT;
-use crate::batch::run::{self, Options};
-use crate::batch::shard::Split;
-use crate::batch::summary::Summary;
-use crate::batch::{memory, schema};
+use crate::batch::options::Options;
+use crate::batch::queue::shard::Split;
+use crate::batch::results::summary::Summary;
+use crate::batch::run;
+use crate::jobs::id::REPORT;
+use crate::jobs::{machine, schema};
 use crate::output::atomic;
 use serde_json::json;
 use std::ffi::OsString;
@@ -92,7 +93,7 @@ fn options(arguments: &BatchArguments, jobs: &Path) -> Result<Options, Failure> 
         threads: session::threads(arguments.threads),
         memory_bytes: match arguments.memory {
             Memory::Bytes(bytes) => bytes,
-            Memory::Share(share) => (memory::of_machine() as f64 * share) as u64,
+            Memory::Share(share) => (machine::of_machine() as f64 * share) as u64,
         },
         shard,
         split: match arguments.split {
@@ -116,7 +117,7 @@ fn report(summary: &Summary, options: &Options, typed: &[OsString]) -> Result<St
     });
     serde_json::to_string_pretty(&report)
         .map(|text| text + "\n")
-        .map_err(|error| Failure::World(error.to_string()))
+        .map_err(|error| Failure::System(error.to_string()))
 }
 
 fn print(text: &str) -> Result<(), Failure> {

@@ -3,9 +3,9 @@
 use super::log::Log;
 use super::progress::INTERVAL;
 use super::signals::Signals;
-use crate::batch::result::ResultLine;
-use crate::batch::run::Watch;
-use crate::batch::summary::Tally;
+use crate::batch::options::Watch;
+use crate::batch::results::line::ResultLine;
+use crate::batch::results::tally::Tally;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;

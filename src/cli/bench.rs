@@ -5,10 +5,10 @@ use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
 use super::signals::Signals;
-use crate::batch::memory;
 use crate::bench::cases::Case;
 use crate::bench::meshes::Class;
 use crate::bench::{self, Budget, Plan, Results, chart, table};
+use crate::jobs::machine;
 use crate::methods::Progress;
 use crate::output::atomic;
 use crate::scene::SceneError;
@@ -68,7 +68,7 @@ pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure
         "arguments": typed.iter().skip(1).map(|a| a.to_string_lossy()).collect::<Vec<_>>(),
         "threads": threads,
         "seconds": {"total": started.elapsed().as_secs_f64()},
-        "peak_memory_bytes": memory::peak(),
+        "peak_memory_bytes": machine::peak(),
         "files": ["bench.json", "bench.svg", "report.json"],
     });
     put(&directory, "report.json", &format!("{report:#}\n"))?;
@@ -113,7 +113,7 @@ fn write(directory: &Path, results: &Results) -> Result<(), Failure> {
 
 fn json_text(results: &Results) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(results);
-    Ok(text.map_err(|error| Failure::World(error.to_string()))? + "\n")
+    Ok(text.map_err(|error| Failure::System(error.to_string()))? + "\n")
 }
 
 fn put(directory: &Path, name: &str, text: &str) -> Result<(), Failure> {

@@ -1,17 +1,17 @@
 //! `warpath check`: forward, backward and finite differences against each other.
 
 use super::arguments::CheckArguments;
-use super::comparison::{Comparison, Excess, z_scores};
 use super::exit::Failure;
 use super::pace::{Kind, Pace};
-use super::replicates::Replicates;
 use super::session::{self, Session};
 use super::verdict::{Circumstances, Outcome, SIGNIFICANT, Transposition, Verdict, judge};
-use crate::batch::direction::{self, Direction};
+use crate::jobs::direction::{self, Direction};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::output::{atomic, chart, exr};
 use crate::scene::Filter;
 use crate::scene::parameters::{self, Parameter};
+use crate::statistics::comparison::{Comparison, Excess, z_scores};
+use crate::statistics::replicates::Replicates;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
@@ -30,11 +30,12 @@ const FIRST_REFERENCE_SEED: usize = 1 << 20;
 
 /// Runs the three and compares them.
 pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure> {
-    let method = session::method(arguments.method)?;
-    if method == Method::Fd {
-        return Err(Failure::Usage(
-            "--method fd is what the others are checked against".into(),
-        ));
+    let method = session::method(&arguments.method)?;
+    if method.is_reference() {
+        return Err(Failure::Usage(format!(
+            "--method {} is what the others are checked against",
+            method.name()
+        )));
     }
     let session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
     let settings = session.settings.clone();
@@ -66,7 +67,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         .film
         .filter;
     let circumstances = Circumstances {
-        ignores_visibility: moves && method == Method::Interior,
+        ignores_visibility: moves && method.ignores_visibility(),
         box_filter: matches!(filter, Filter::Box { .. }),
     };
     let (comparison, verdict) = loop {
@@ -193,7 +194,7 @@ impl Check {
 
     fn run_reference(&mut self) -> Result<(), Failure> {
         let settings = Settings {
-            method: Method::Fd,
+            method: Method::REFERENCE,
             seed: nth_seed(
                 self.settings.seed,
                 FIRST_REFERENCE_SEED + self.reference.runs(),

@@ -1,6 +1,6 @@
 //! The code that tells scripts how a command ended.
 
-pub use crate::batch::failure::Failure;
+pub use crate::jobs::failure::Failure;
 use std::process::ExitCode;
 
 impl From<&Failure> for ExitCode {

@@ -3,7 +3,7 @@
 use super::arguments::ForwardArguments;
 use super::exit::Failure;
 use super::session::{self, Session};
-use crate::batch::direction;
+use crate::jobs::direction;
 use crate::methods;
 use crate::output::{gradients, results};
 use serde_json::json;
@@ -11,7 +11,7 @@ use std::ffi::OsString;
 
 /// Writes the gradient image in every format, its standard error, and the image.
 pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failure> {
-    let method = session::method(arguments.method)?;
+    let method = session::method(&arguments.method)?;
     let mut session = Session::open(
         "forward",
         &arguments.trace,

@@ -1,14 +1,14 @@
 //! What all commands that trace rays share: loading, settings, the output directory, the report.
 
-use super::arguments::{MethodName, SceneArguments, TraceArguments};
+use super::arguments::{SceneArguments, TraceArguments};
 use super::exit::Failure;
 use super::log::Log;
 use super::progress::StageProgress;
 use super::report::{Report, SceneReport};
 use super::signals::Signals;
-use crate::batch::memory;
-use crate::batch::settings::{self, Wishes};
-use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
+use crate::jobs::machine;
+use crate::jobs::settings::{self, RequestedSettings};
+use crate::methods::{ESTIMATORS, EngineError, Method, Progress, Settings, Statistics};
 use crate::output::{FileError, atomic};
 use crate::scene::{self, Scene};
 use std::ffi::OsString;
@@ -51,7 +51,7 @@ impl Session {
         let log = Log::new(&trace.talk);
         let signals = Signals::watch(log);
         let scene = load(&trace.scene, log)?;
-        let wishes = Wishes {
+        let requested = RequestedSettings {
             sensor: trace.scene.sensor,
             spp: trace.spp,
             seed: trace.seed,
@@ -63,7 +63,7 @@ impl Session {
             groups: None,
             threads: threads(trace.threads),
         };
-        let settings = wishes.settle(&scene)?;
+        let settings = requested.settle(&scene)?;
         let resolution = settings::size(&settings, &scene);
         let mut report = Report::new(
             command,
@@ -157,11 +157,11 @@ impl Session {
             self.log.note(note);
         }
         self.report.files.push("report.json".into());
-        self.report.peak_memory_bytes = memory::peak();
+        self.report.peak_memory_bytes = machine::peak();
         self.report
             .spend("total", self.started.elapsed().as_secs_f64());
         let text = serde_json::to_string_pretty(&self.report)
-            .map_err(|error| Failure::World(error.to_string()))?
+            .map_err(|error| Failure::System(error.to_string()))?
             + "\n";
         atomic::write(&self.directory.join("report.json"), |file| {
             file.write_all(text.as_bytes())
@@ -210,21 +210,16 @@ pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// The method behind a name, refusing those that are still to come.
-pub fn method(name: MethodName) -> Result<Method, Failure> {
-    let refused = |name| {
-        Err(Failure::Usage(format!(
-            "--method {name} is not built yet; use reparam, interior or fd"
-        )))
-    };
-    match name {
-        MethodName::Interior => Ok(Method::Interior),
-        MethodName::Reparam => Ok(Method::Reparam),
-        MethodName::Fd => Ok(Method::Fd),
-        MethodName::Auto => refused("auto"),
-        MethodName::Edges => refused("edges"),
-        MethodName::WarpedArea => refused("warped-area"),
-    }
+/// The method of this name, refusing those that are still to come.
+pub fn method(name: &str) -> Result<Method, Failure> {
+    Method::named(name).ok_or_else(|| {
+        let names = ESTIMATORS.each_ref().map(|estimator| estimator.name);
+        let built = match &names[..] {
+            [others @ .., last] => format!("{} or {last}", others.join(", ")),
+            [] => String::new(),
+        };
+        Failure::Usage(format!("--method {name} is not built yet; use {built}"))
+    })
 }
 
 /// As many as asked for, or the cores this process may use.

@@ -1,8 +1,10 @@
 //! How the values of options are written. Each function says what is wrong and what would be right.
 
-use crate::batch::numbers::Numbers;
-use crate::batch::settings;
-use crate::batch::shard::ShardChoice;
+use crate::batch::queue::scheduler::ShardChoice;
+use crate::jobs::numbers::Numbers;
+use crate::jobs::resolution;
+use crate::methods::{ESTIMATORS, NOT_BUILT_YET};
+use clap::builder::{PossibleValue, PossibleValuesParser};
 
 /// A parameter's key with its tangent.
 pub type Tangent = (String, Numbers);
@@ -56,7 +58,7 @@ pub fn definition(text: &str) -> Result<(String, String), String> {
 
 /// `WxH`.
 pub fn resolution(text: &str) -> Result<[u32; 2], String> {
-    settings::resolution(text)
+    resolution::resolution(text)
 }
 
 /// A number of segments, or -1.
@@ -69,6 +71,14 @@ pub fn depth(text: &str) -> Result<u32, String> {
         Ok(n) if n > 0 => u32::try_from(n).map_err(|_| "too deep; -1 means no limit".into()),
         _ => Err("write a whole number from 1, or -1 for no limit".into()),
     }
+}
+
+/// The name of a method; those that are still to come are known, and not shown.
+pub fn method() -> PossibleValuesParser {
+    let built = ESTIMATORS.iter();
+    let built = built.map(|e| PossibleValue::new(e.name).help(e.about));
+    let to_come = NOT_BUILT_YET.map(|name| PossibleValue::new(name).hide(true));
+    PossibleValuesParser::new(built.chain(to_come))
 }
 
 /// A number of threads.

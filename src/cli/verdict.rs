@@ -1,6 +1,6 @@
 //! What `check` concludes from its measurements, in sentences.
 
-use super::comparison::Comparison;
+use crate::statistics::comparison::Comparison;
 use serde::Serialize;
 
 /// Forward and reverse mode compute one number from the same samples: only rounding may part them,

@@ -1,12 +1,17 @@
 //! What every method sets up for one image: camera, film, groups of samples, and the way through their tiles.
 
-use super::groups::group_count;
-use super::{
-    EngineError, Groups, Image, Parts, Prepared, Progress, Settings, Statistics, Workers, refusals,
-};
+use super::error::EngineError;
+use super::group_images::GroupImages;
+use super::parts::Parts;
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::reach;
+use super::refusals;
+use super::settings::{Groups, Settings};
+use super::statistics::Statistics;
+use super::workers::Workers;
 use crate::boundary::cells::Cells;
 use crate::discontinuity::adjacency::Adjacency;
-use crate::paths::counts::Counts;
 use crate::paths::estimator::{BoundaryEstimator, Interior};
 use crate::paths::film::camera::Camera;
 use crate::paths::film::filter::FilmFilter;
@@ -14,10 +19,11 @@ use crate::paths::film::lattice::Lattice;
 use crate::paths::light::patches::Lights;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::{PathLimits, SceneView};
-use crate::scene::{Film, Rgb, Scene, SceneDifferential};
+use crate::picture::Image;
+use crate::room::NoRoom;
+use crate::scene::{Film, Rgb, Scene, SceneDifferential, Sensor};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Tiles handed to the threads at once, a thread: their results wait in memory until they are added in order.
@@ -28,7 +34,7 @@ pub struct Stage<'a> {
     pub scene: &'a Scene,
     pub parts: Parts,
     /// Whether silhouettes are asked for.
-    visibility: bool,
+    pub visibility: bool,
     moving: Moving,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -57,24 +63,8 @@ impl<'a> Stage<'a> {
                 "at least one sample a pixel is needed: --spp 1 or more".into(),
             ));
         }
-        let mut sensor = scene.sensors[settings.sensor].clone();
-        if let Some([width, height]) = settings.resolution {
-            sensor.film = Film {
-                width,
-                height,
-                crop_offset: [0; 2],
-                crop_size: [width, height],
-                ..sensor.film
-            };
-        }
-        refusals::check_view(scene, &sensor)?;
+        let sensor = sensor(scene, settings)?;
         let film = &sensor.film;
-        if film.filter.radius() > 4.0 {
-            return Err(EngineError::Refused(format!(
-                "the film's filter reaches {} pixels; at most 4 are supported",
-                film.filter.radius()
-            )));
-        }
         if visibility {
             let pool = &prepared.workers.pool;
             let make = || pool.install(|| Adjacency::new(&parts.geometry));
@@ -83,13 +73,7 @@ impl<'a> Stage<'a> {
         let Groups {
             count: groups,
             only,
-        } = settings.groups.unwrap_or(Groups {
-            count: match settings.standard_error {
-                true => group_count(settings.spp),
-                false => 1,
-            },
-            only: None,
-        });
+        } = settings.groups();
         let border = if film.sample_border {
             FilmFilter::border(film.filter)
         } else {
@@ -204,6 +188,16 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// That work through tiles.
+    pub fn threads(&self) -> usize {
+        self.workers.threads
+    }
+
+    /// For the mean of the images of the groups that are done here.
+    pub fn group_images(&self) -> Result<GroupImages, NoRoom> {
+        GroupImages::new(self.size, self.own_groups().len() as u32)
+    }
+
     /// An image of this stage's size.
     pub fn image(&self, pixels: Vec<Rgb>) -> Image {
         Image {
@@ -214,104 +208,24 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Parts the time of a sweep over tiles into tracing and differentiating, by what the threads spent on each.
-pub struct StageClock {
-    started: Instant,
-    primal_ns: AtomicU64,
-    adjoint_ns: AtomicU64,
-}
-
-impl StageClock {
-    pub fn start() -> Self {
-        Self {
-            started: Instant::now(),
-            primal_ns: AtomicU64::new(0),
-            adjoint_ns: AtomicU64::new(0),
-        }
+/// The sensor with the film that is asked for, refusing what is beyond single precision or the sampling of films.
+fn sensor(scene: &Scene, settings: &Settings) -> Result<Sensor, EngineError> {
+    let mut sensor = scene.sensors[settings.sensor].clone();
+    if let Some([width, height]) = settings.resolution {
+        sensor.film = Film {
+            width,
+            height,
+            crop_offset: [0; 2],
+            crop_size: [width, height],
+            ..sensor.film
+        };
     }
-
-    /// A thread has traced since `start`; now.
-    pub fn add_primal(&self, start: Instant) -> Instant {
-        self.primal_ns
-            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        Instant::now()
+    reach::check_view(scene, &sensor)?;
+    let radius = sensor.film.filter.radius();
+    if radius > 4.0 {
+        return Err(EngineError::Refused(format!(
+            "the film's filter reaches {radius} pixels; at most 4 are supported",
+        )));
     }
-
-    /// A thread has differentiated since `start`.
-    pub fn add_adjoint(&self, start: Instant) {
-        self.adjoint_ns
-            .fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-    }
-
-    /// As [`StageClock::stop`], of a sweep that only traced.
-    pub fn stop_primal(self, statistics: &mut Statistics) {
-        statistics.add_seconds("primal", self.started);
-        statistics.tile_seconds += self.primal_ns.into_inner() as f64 * 1e-9;
-    }
-
-    /// Hands the time since the start to the stages.
-    pub fn stop(self, statistics: &mut Statistics) {
-        let seconds = self.started.elapsed().as_secs_f64();
-        let (primal, adjoint) = (
-            self.primal_ns.into_inner() as f64,
-            self.adjoint_ns.into_inner() as f64,
-        );
-        let share = primal / (primal + adjoint).max(1.0);
-        statistics.spend("primal", seconds * share);
-        statistics.spend("adjoint", seconds * (1.0 - share));
-        statistics.tile_seconds += (primal + adjoint) * 1e-9;
-    }
-}
-
-impl Statistics {
-    /// Adds to a stage's time.
-    pub fn spend(&mut self, stage: &'static str, seconds: f64) {
-        *self.seconds.entry(stage).or_default() += seconds;
-    }
-
-    /// Adds the time since `start` to a stage.
-    pub fn add_seconds(&mut self, stage: &'static str, start: Instant) {
-        self.spend(stage, start.elapsed().as_secs_f64());
-    }
-
-    /// Adds what another run did, but for its remarks.
-    pub fn absorb(&mut self, other: &Statistics) {
-        for (&stage, &seconds) in &other.seconds {
-            self.spend(stage, seconds);
-        }
-        for (&kind, &count) in &other.rays {
-            *self.rays.entry(kind).or_default() += count;
-        }
-        self.silhouettes += other.silhouettes;
-        for (&cause, &count) in &other.rejected {
-            *self.rejected.entry(cause).or_default() += count;
-        }
-        self.tile_seconds += other.tile_seconds;
-    }
-
-    /// Adds what tiles counted.
-    pub fn add_counts(&mut self, counts: &Counts) {
-        let rays = [
-            ("camera", counts.camera),
-            ("shadow", counts.shadow),
-            ("bounce", counts.bounce),
-            ("light_cell", counts.light_cell),
-            ("bounce_cell", counts.bounce_cell),
-            ("sky_cell", counts.sky_cell),
-            ("probe", counts.probe),
-        ];
-        for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {
-            *self.rays.entry(kind).or_default() += count;
-        }
-        self.silhouettes += counts.resolved;
-        let rejected = [
-            ("not_finite", counts.not_finite),
-            ("boundary_not_finite", counts.boundary_not_finite),
-            ("gradient_not_finite", counts.gradient_not_finite),
-            ("silhouette_not_found", counts.unresolved),
-        ];
-        for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {
-            *self.rejected.entry(cause).or_default() += count;
-        }
-    }
+    Ok(sensor)
 }

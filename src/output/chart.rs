@@ -2,7 +2,7 @@
 
 use super::colormap::diverging;
 use super::{FileError, glyphs, png};
-use crate::methods::Image;
+use crate::picture::Image;
 use std::path::Path;
 
 /// Small images are enlarged by a whole factor until they are at least this wide, so that single pixels

@@ -1,7 +1,7 @@
 //! OpenEXR images of 32-bit float RGB are written.
 
 use super::{FileError, atomic};
-use crate::methods::Image;
+use crate::picture::Image;
 use exr::prelude::*;
 use std::io::{Cursor, Write};
 use std::path::Path;

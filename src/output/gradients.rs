@@ -1,9 +1,10 @@
 //! From independent groups of samples to named gradients with standard errors.
 
 use super::tensors::Tensor;
-use crate::methods::Image;
+use crate::picture::Image;
 use crate::scene::parameters::{self, Parameter};
 use crate::scene::{Scene, SceneDifferential};
+use crate::statistics::estimate::Estimate;
 
 /// Ends the name of a gradient's standard error.
 pub const STANDARD_ERROR: &str = "#se";
@@ -33,37 +34,18 @@ pub fn of_groups(
         shape: shape.to_vec(),
         values,
     };
-    let mut tensors = vec![tensor(name.into(), mean(groups))];
+    let numbers = groups.first().map_or(0, Vec::len);
+    let estimates: Vec<Estimate> = (0..numbers)
+        .map(|i| Estimate::mean(groups.iter().map(move |group| f64::from(group[i]))))
+        .collect();
+    let values = estimates.iter().map(|e| e.value as f32).collect();
+    let mut tensors = vec![tensor(name.into(), values)];
     if standard_error && groups.len() > 1 {
         let name = format!("{name}{STANDARD_ERROR}");
-        tensors.push(tensor(name, error_of_mean(groups)));
+        let errors = estimates.iter().map(|e| e.error as f32).collect();
+        tensors.push(tensor(name, errors));
     }
     tensors
-}
-
-/// The mean of equally weighted estimates, number by number.
-fn mean(groups: &[Vec<f32>]) -> Vec<f32> {
-    let n = groups.len() as f64;
-    let numbers = groups.first().map_or(0, Vec::len);
-    (0..numbers)
-        .map(|i| (groups.iter().map(|group| group[i] as f64).sum::<f64>() / n) as f32)
-        .collect()
-}
-
-/// The standard error of the mean of independent, equally weighted estimates, number by number.
-fn error_of_mean(groups: &[Vec<f32>]) -> Vec<f32> {
-    let n = groups.len() as f64;
-    let numbers = groups.first().map_or(0, Vec::len);
-    (0..numbers)
-        .map(|i| {
-            let mean = groups.iter().map(|group| group[i] as f64).sum::<f64>() / n;
-            let squares: f64 = groups
-                .iter()
-                .map(|group| (group[i] as f64 - mean).powi(2))
-                .sum();
-            (squares / (n - 1.0) / n).sqrt() as f32
-        })
-        .collect()
 }
 
 /// The root of the sum of squares.

@@ -3,7 +3,7 @@
 use super::FileError;
 use super::npy::{self, Array, ArrayFile};
 use crate::files::Regular;
-use crate::methods::Image;
+use crate::picture::Image;
 use crate::picture::{self, ChannelNames, Colours, PictureError, Wanted};
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! PNG: eight bits a channel, for looking at.
 
 use super::{FileError, atomic};
-use crate::methods::Image;
+use crate::picture::Image;
 use std::io::Write;
 use std::path::Path;
 

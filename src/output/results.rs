@@ -2,7 +2,8 @@
 
 use super::tensors::{self, Tensor};
 use super::{FileError, chart, exr, npy, png};
-use crate::methods::{ForwardGradient, Image};
+use crate::methods::ForwardGradient;
+use crate::picture::Image;
 use std::path::Path;
 
 type Write<'a> = dyn Fn(&Path) -> Result<(), FileError> + 'a;

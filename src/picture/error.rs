@@ -28,7 +28,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// Whether the world failed (exit code 4) rather than the input being bad (exit code 3).
+    /// Whether the system failed (exit code 4) rather than the input being bad (exit code 3).
     pub fn is_io(&self) -> bool {
         matches!(self, PictureError::Io { .. })
     }

@@ -9,6 +9,7 @@ mod exr;
 mod ffi;
 mod format;
 mod header;
+mod image;
 mod jpeg_end;
 #[cfg(feature = "oiio")]
 pub mod oiio;
@@ -17,6 +18,7 @@ mod png_jpeg_hdr;
 mod size;
 mod srgb;
 
+pub use self::image::Image;
 pub use error::PictureError;
 pub use header::size_of;
 pub use srgb::srgb_to_linear;

@@ -7,9 +7,25 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
 /// Each module may use those before it.
-const ORDER: [&str; 16] = [
-    "room", "files", "lanes", "picture", "scene", "trace", "kernels", "adjoint", "warp", "paths",
-    "gradient", "methods", "output", "bench", "batch", "cli",
+const ORDER: [&str; 18] = [
+    "room",
+    "files",
+    "lanes",
+    "picture",
+    "statistics",
+    "scene",
+    "trace",
+    "kernels",
+    "adjoint",
+    "warp",
+    "paths",
+    "gradient",
+    "methods",
+    "output",
+    "jobs",
+    "bench",
+    "batch",
+    "cli",
 ];
 
 /// Modules that may use less than the order allows.

@@ -3,12 +3,12 @@
 use super::scenes::floor;
 use glam::{DVec3, Vec3};
 use warpath::lanes::{LANES, Lane, V3};
+use warpath::paths::at::{At, Numbers};
 use warpath::paths::film::camera::Camera;
 use warpath::paths::light::patches::Lights;
-use warpath::paths::moving::Moving;
 use warpath::paths::random::Stream;
 use warpath::paths::rays::{from_lanes, lane_of};
-use warpath::paths::scene_view::{PathLimits, Tracer};
+use warpath::paths::scene_view::{PathLimits, SceneView};
 use warpath::paths::store::{Lobes, Vertices};
 use warpath::paths::surface::materials::MaterialTable;
 use warpath::paths::surface::vertex::Surface;
@@ -16,14 +16,13 @@ use warpath::scene::{Bsdf, Distribution, Microfacets, Scene};
 use warpath::trace::geometry::Geometry;
 use warpath::trace::{Accel, AccelOptions, MeshView};
 
-/// A scene's first mesh, which must be a [`floor`], and a tracer's parts.
+/// A scene's first mesh, which must be a [`floor`], and a view's parts.
 pub struct Swatch {
     scene: Scene,
     geometry: Geometry,
     accel: Accel,
     lights: Lights,
     materials: MaterialTable,
-    moving: Moving,
     /// Looked at from below.
     inside: bool,
 }
@@ -53,7 +52,6 @@ impl Swatch {
         Self {
             lights: Lights::new(&scene, &geometry, false),
             materials: MaterialTable::new(&scene),
-            moving: Moving::default(),
             accel,
             geometry,
             scene,
@@ -61,8 +59,8 @@ impl Swatch {
         }
     }
 
-    pub fn tracer(&self) -> Tracer<'_> {
-        Tracer {
+    pub fn view(&self) -> SceneView<'_> {
+        SceneView {
             scene: &self.scene,
             geometry: &self.geometry,
             accel: &self.accel,
@@ -76,8 +74,6 @@ impl Swatch {
                 hide_emitters: false,
                 black_goes_on: false,
             },
-            adjacency: None,
-            moving: &self.moving,
         }
     }
 
@@ -99,7 +95,7 @@ impl Swatch {
     }
 
     /// The surface seen from `toward` in each lane.
-    pub fn seen(&self, tracer: &Tracer, toward: &[DVec3]) -> (Vertices, Surface) {
+    pub fn seen(&self, view: &SceneView, toward: &[DVec3]) -> (Vertices, Surface) {
         let toward = self.packet(toward);
         let mut vertices = Vertices {
             hit: (1 << LANES) - 1,
@@ -108,8 +104,28 @@ impl Swatch {
             triangle: [0; LANES],
             ..Vertices::default()
         };
-        let surface = tracer.surface(&mut vertices);
+        let surface = view.surface(&mut vertices);
         (vertices, surface)
+    }
+
+    /// Here, for code that draws no random numbers.
+    pub fn at<'a>(
+        view: &'a SceneView<'a>,
+        vertices: &'a Vertices,
+        surface: &'a Surface,
+        stream: &'a Stream,
+    ) -> At<'a> {
+        let numbers = Numbers {
+            stream,
+            index: &[0; LANES],
+            depth: 0,
+        };
+        At {
+            view,
+            vertices,
+            surface,
+            numbers,
+        }
     }
 
     /// Bounces by `points` points of each of `streams` streams: `each(stream, lane of toward, bounce)`.
@@ -121,20 +137,19 @@ impl Swatch {
         mut each: impl FnMut(usize, usize, Bounce),
     ) {
         assert!(toward.len() <= LANES);
-        let tracer = self.tracer();
-        let (vertices, surface) = self.seen(&tracer, toward);
+        let view = self.view();
+        let (vertices, surface) = self.seen(&view, toward);
         for number in 0..streams {
             let stream = Stream::new(23, [number / 512, number % 512]);
             for point in 0..points {
                 let mut vertices = vertices.clone();
-                let (rays, _) = tracer.bounce(
-                    &mut vertices,
-                    &surface,
-                    Lane::splat(1.0),
-                    &stream,
-                    &[point; LANES],
-                    0,
-                );
+                let numbers = Numbers {
+                    stream: &stream,
+                    index: &[point; LANES],
+                    depth: 0,
+                };
+                let whole = Lane::splat(1.0);
+                let rays = view.sample_lobe(&mut vertices, &surface, whole, &numbers);
                 for lane in 0..toward.len() {
                     let bit = |bits: u32| bits >> lane & 1;
                     let lobes = Lobes {

@@ -162,10 +162,10 @@ fn wide_lobes_tell_their_density() {
         ),
     ];
     for (what, swatch, wide, is_metal) in paints {
-        let tracer = swatch.tracer();
+        let view = swatch.view();
         for degrees in DEGREES {
             let i = incidence(degrees);
-            let (vertices, surface) = swatch.seen(&tracer, &[i]);
+            let (vertices, surface) = swatch.seen(&view, &[i]);
             let specular = match what {
                 "diffuse" => 0.0,
                 _ if is_metal => 1.0,
@@ -178,7 +178,7 @@ fn wide_lobes_tell_their_density() {
                     continue;
                 }
                 let d = swatch.packet(&[o]);
-                let told = tracer.bounce_pdf_over_cos(&vertices, &surface, d);
+                let told = view.bounce_pdf_over_cos(&vertices, &surface, d);
                 let lobe =
                     wide.map_or(0.0, |alpha| (reflected(i, alpha, |_| 1.0).density)(o) / o.z);
                 let wanted = specular * lobe + (1.0 - specular) * FRAC_1_PI;

@@ -70,9 +70,11 @@ fn diffuse_bounces() -> impl Iterator<Item = (DVec3, f64)> {
 #[test]
 fn lines_of_diffuse_light() {
     let swatch = Swatch::new(bare(), false);
-    let tracer = swatch.tracer();
-    let (vertices, surface) = swatch.seen(&tracer, &[incidence(30.0)]);
-    let at = LaneSurface::new(&vertices, &surface, 0, Lobe::Diffuse);
+    let view = swatch.view();
+    let (vertices, surface) = swatch.seen(&view, &[incidence(30.0)]);
+    let stream = Stream::new(0, [0, 0]);
+    let here = Swatch::at(&view, &vertices, &surface, &stream);
+    let at = LaneSurface::new(&here, 0, Lobe::Diffuse);
     for axis in 0..2 {
         let line = |bounce, jitter, on| {
             [axis, 1 - axis].map(|axis| Line::diffuse(&at, bounce, axis, jitter, on))
@@ -128,15 +130,17 @@ fn lines_of_narrow_lobes() {
         ),
     ];
     for (what, swatch, lobe, ratio) in cases {
-        let tracer = swatch.tracer();
+        let view = swatch.view();
         let i = incidence(30.0);
         let main = match lobe {
             Lobe::Refracted => refract(i, DVec3::Z, ratio).expect("below the critical angle"),
             _ => reflect(i, DVec3::Z),
         };
         let main = swatch.turned(main);
-        let (vertices, surface) = swatch.seen(&tracer, &[i]);
-        let at = LaneSurface::new(&vertices, &surface, 0, lobe);
+        let (vertices, surface) = swatch.seen(&view, &[i]);
+        let stream = Stream::new(0, [0, 0]);
+        let here = Swatch::at(&view, &vertices, &surface, &stream);
+        let at = LaneSurface::new(&here, 0, lobe);
         for axis in 0..2 {
             let centre = [0, 1].map(|axis| Line::lobe(&at, axis, 0.5, 0.5).expect("a line"));
             let poles = centre.each_ref().map(|l| l.direction(FRAC_PI_2));
@@ -192,7 +196,7 @@ fn lines_of_narrow_lobes_carry_what_bounces_do() {
         ("glass", glass, Lobe::Refracted),
     ];
     for (what, swatch, lobe) in cases {
-        let tracer = swatch.tracer();
+        let view = swatch.view();
         let toward = incidence(50.0);
         let mut carried = [0.0; STREAMS as usize];
         swatch.bounces(&[toward], STREAMS, POINTS, |stream, _, bounce| {
@@ -203,8 +207,10 @@ fn lines_of_narrow_lobes_carry_what_bounces_do() {
             carried[stream] += f64::from(bounce.weight[0]) * f64::from(of_lobe) / f64::from(POINTS);
         });
         let carried = Estimate::mean(&carried);
-        let (vertices, surface) = swatch.seen(&tracer, &[toward]);
-        let mut at = LaneSurface::new(&vertices, &surface, 0, lobe);
+        let (vertices, surface) = swatch.seen(&view, &[toward]);
+        let stream = Stream::new(0, [0, 0]);
+        let here = Swatch::at(&view, &vertices, &surface, &stream);
+        let mut at = LaneSurface::new(&here, 0, lobe);
         let middle = |k: usize, count: usize| (k as f64 + 0.5) / count as f64;
         for axis in 0..2 {
             let other = Line::lobe(&at, 1 - axis, 0.5, 0.5).expect("a line");
@@ -227,7 +233,7 @@ fn lines_of_narrow_lobes_carry_what_bounces_do() {
                     let t = from + (to - from) * middle(i, STEPS);
                     let psi = 0.1 * t.sinh();
                     let step = 0.1 * t.cosh() * (to - from) / STEPS as f64;
-                    if let Some((_, value)) = at.value(&tracer, line.direction(psi)) {
+                    if let Some((_, value)) = at.value(line.direction(psi)) {
                         sum += value.x * psi.cos() * step * inverse_density * share;
                     }
                 }

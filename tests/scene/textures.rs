@@ -5,7 +5,7 @@
 
 use common::shapes::Random;
 use glam::{Affine2, EulerRot, Mat3, Vec2, Vec3, vec2};
-use warpath::paths::environment::map;
+use warpath::paths::environment::map as environment;
 use warpath::paths::surface::texture;
 use warpath::scene::{EnvironmentMap, Layout, Texture, Wrap};
 

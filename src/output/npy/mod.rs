@@ -6,7 +6,7 @@ pub(super) use read::floats;
 pub use read::{Array, ArrayFile, decode, read};
 
 use super::{FileError, atomic};
-use crate::methods::Image;
+use crate::picture::Image;
 use std::io::{self, Write};
 use std::path::Path;
 

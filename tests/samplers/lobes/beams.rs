@@ -43,10 +43,10 @@ fn compare(
             let o = (mirror + aside * 0.02).normalize();
             let turned = Swatch::new(scene.clone(), inside).turned(o);
             let swatch = Swatch::new(beam(scene.clone(), turned), inside);
-            let tracer = swatch.tracer();
-            let (vertices, surface) = swatch.seen(&tracer, &[i]);
+            let view = swatch.view();
+            let (vertices, surface) = swatch.seen(&view, &[i]);
             let all = [(1 << LANES) - 1];
-            let brings = tracer.delta_light(&vertices, &surface, &all);
+            let brings = view.delta_light(&vertices, &surface, &all);
             let brings = lane_of(brings, 0).as_dvec3();
             let wanted = wanted(i, o);
             let error = (brings - wanted).abs().max_element();

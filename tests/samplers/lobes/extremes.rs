@@ -80,16 +80,16 @@ fn values_and_densities_toward_lights_are_finite() {
     for alpha in ALPHAS {
         for distribution in [Ggx, Beckmann] {
             for (what, swatch) in swatches(alpha, distribution) {
-                let tracer = swatch.tracer();
-                let (vertices, surface) = swatch.seen(&tracer, &toward());
+                let view = swatch.view();
+                let (vertices, surface) = swatch.seen(&view, &toward());
                 for o in toward() {
                     // The mirror image is where the lobe is highest.
                     for o in [o, dvec3(-o.x, -o.y, o.z), DVec3::Z] {
                         let d = swatch.packet(&[o]);
-                        let density = tracer.bounce_pdf_over_cos(&vertices, &surface, d);
+                        let density = view.bounce_pdf_over_cos(&vertices, &surface, d);
                         let place = format!("{what} of {alpha} ({distribution:?}) toward {o}");
                         for light in [LightKind::Sampled, LightKind::Delta] {
-                            let value = tracer.value_toward(&vertices, &surface, d, light);
+                            let value = view.value_toward(&vertices, &surface, d, light);
                             check_lanes(&place, value, density);
                         }
                     }

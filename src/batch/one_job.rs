@@ -1,0 +1,166 @@
+//! One job of a batch: from its line to its files and its result line.
+
+use super::options::Options;
+use super::queue::register::Line;
+use super::results::folder;
+use super::results::line::ResultLine;
+use super::samples::partial::{self, Partial};
+use super::samples::share::PARTIAL;
+use super::scenes::estimate;
+use super::scenes::key::SceneKey;
+use super::scenes::loaded::Loaded;
+use super::scenes::store::{Admission, Store};
+use crate::jobs::attachments;
+use crate::jobs::failure::Failure;
+use crate::jobs::job::Job;
+use crate::jobs::read;
+use crate::jobs::request::Request;
+use crate::jobs::results::Done;
+use crate::jobs::settings::RequestedSettings;
+use crate::methods::{EditedScene, EngineError, Prepared, Progress, Settings, Workers};
+use crate::output::results::{self, ResultFile};
+use crate::scene::parameters;
+use std::time::Instant;
+
+/// What the jobs of a batch share.
+pub struct Shared<'a> {
+    pub options: &'a Options,
+    pub workers: Workers,
+    pub store: Store,
+}
+
+impl Shared<'_> {
+    /// Runs the job of a line.
+    pub fn run(&self, line: &Line, progress: &dyn Progress) -> Result<ResultLine, Failure> {
+        if let Some(refusal) = &line.refusal {
+            return Err(refusal.clone());
+        }
+        let job = read::job(&line.text)?;
+        let requested = job.settings(self.options.threads, self.options.backend);
+        let waited = Instant::now();
+        let admission = self.admit(&job, &requested, progress)?;
+        let admitted = Instant::now();
+        let mut result = ResultLine::begun(&job.id, line.number, &line.hash);
+        let loaded = &*admission.loaded;
+        result.spend("wait", (admitted - waited).as_secs_f64());
+        if admission.was_loaded {
+            result.spend("load", loaded.load_seconds);
+            result.spend("build", loaded.build_seconds);
+        }
+        let scene = self.edited(&job, loaded)?;
+        let settings = requested.settle(scene.scene())?;
+        let request = Request::new(&job, scene.scene(), &settings)?;
+        let prepared = scene
+            .prepare(&self.workers, &|| progress.cancelled())
+            .map_err(failed)?;
+        result.spend("prepare", admitted.elapsed().as_secs_f64());
+        result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
+        result.rebuilt = scene.is_rebuilt();
+        let computed = self.compute(&job, &request, &prepared, &settings, progress)?;
+        drop(prepared);
+        if let Some(lease) = scene.finish() {
+            loaded.give_back(lease);
+        }
+        self.write(&job, computed, &mut result)?;
+        let total = admitted.elapsed().as_secs_f64();
+        result.seconds.insert("total".into(), total);
+        Ok(result)
+    }
+
+    /// Waits for the scene, and for the memory that the job takes beside it.
+    fn admit(
+        &self,
+        job: &Job,
+        requested: &RequestedSettings,
+        progress: &dyn Progress,
+    ) -> Result<Admission, Failure> {
+        let key = SceneKey {
+            path: job.scene.clone(),
+            defines: job.definitions(),
+        };
+        let shard = self.options.shard_of_samples();
+        let bytes = |loaded: &Loaded| {
+            let settings = requested.settle(&loaded.scene)?;
+            let kept = shard.map_or(0, |shard| partial::own_groups(&settings, shard).len());
+            let files = attachments::bytes_needed(job, &loaded.scene, &settings)?;
+            Ok(files + estimate::of_job(&loaded.scene, &settings, job, kept as u64))
+        };
+        self.store.admit(&key, bytes, &|| progress.cancelled())
+    }
+
+    /// The scene with the job's values.
+    fn edited<'a>(&self, job: &Job, loaded: &'a Loaded) -> Result<EditedScene<'a>, Failure> {
+        let mut scene = EditedScene::new(loaded.base());
+        for (key, numbers) in &job.set.0 {
+            let parameter = parameters::find(scene.scene(), key)?;
+            let values = numbers.exactly(&parameter, key)?;
+            scene.set(&parameter, &values)?;
+        }
+        scene.follow(self.options.threads).map_err(failed)?;
+        Ok(scene)
+    }
+
+    fn compute(
+        &self,
+        job: &Job,
+        request: &Request,
+        prepared: &Prepared,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Computed, Failure> {
+        let Some(shard) = self.options.shard_of_samples() else {
+            let done = request.answer(prepared, settings, progress)?;
+            return Ok(Computed::Whole(done));
+        };
+        let part = partial::answer(job, request, shard, prepared, settings, progress)?;
+        Ok(Computed::Part(part))
+    }
+
+    /// Writes the files, and what there is to say of them.
+    fn write(&self, job: &Job, computed: Computed, result: &mut ResultLine) -> Result<(), Failure> {
+        match computed {
+            Computed::Whole(done) => {
+                result.absorb(&done.statistics);
+                result.loss = done.loss;
+                result.norms = done.results.norms().into_iter().collect();
+                let mut files = done.results.files()?;
+                files.retain(|file| job.writes(file.name));
+                self.write_files(job, &files, result)
+            }
+            Computed::Part(part) => {
+                result.absorb(&part.statistics);
+                result.loss = part.loss;
+                if !part.tensors.is_empty() {
+                    let file = results::partial(PARTIAL, &part.tensors)?;
+                    self.write_files(job, &[file], result)?;
+                }
+                result.share = Some(part.share);
+                Ok(())
+            }
+        }
+    }
+
+    fn write_files(
+        &self,
+        job: &Job,
+        files: &[ResultFile],
+        result: &mut ResultLine,
+    ) -> Result<(), Failure> {
+        let start = Instant::now();
+        result.files = folder::write(&self.options.directory, &job.id, files)?;
+        let seconds = start.elapsed().as_secs_f64();
+        result.seconds.insert("write".into(), seconds);
+        Ok(())
+    }
+}
+
+/// What a job gives.
+enum Computed {
+    Whole(Done),
+    /// Some groups of its samples.
+    Part(Partial),
+}
+
+fn failed(error: EngineError) -> Failure {
+    Failure::from_engine(error, None)
+}

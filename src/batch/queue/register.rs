@@ -1,0 +1,103 @@
+//! Lines of jobs, looked at before they are run: whose they are, and whether they are done already.
+
+use crate::batch::results::journal::Earlier;
+use crate::batch::results::line::ResultLine;
+use crate::jobs::failure::Failure;
+use crate::jobs::id::check_id;
+use crate::scene::source::Fnv1a;
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use std::collections::HashMap;
+
+/// A line that is to be run.
+#[derive(Debug)]
+pub struct Line {
+    /// From 1; empty lines are counted and left out.
+    pub number: usize,
+    pub text: String,
+    /// Of the text.
+    pub hash: String,
+    pub id: Option<String>,
+    /// Why it will not be run.
+    pub refusal: Option<Failure>,
+}
+
+/// What is looked at before a line is read in earnest.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub struct Outline<'a> {
+    pub id: Option<String>,
+    pub scene: Option<String>,
+    #[serde(borrow)]
+    pub defines: Option<&'a RawValue>,
+}
+
+/// What is known of ids: who has them, and what was done before.
+#[derive(Default)]
+pub struct Register {
+    lines: HashMap<String, usize>,
+    earlier: HashMap<String, (ResultLine, String)>,
+}
+
+/// A line that has been looked at.
+pub enum Entry {
+    Run(Line),
+    /// An earlier run has done it: its result line.
+    Done(String),
+}
+
+impl Register {
+    /// With the jobs of earlier runs.
+    pub fn new(earlier: Earlier) -> Self {
+        let done = earlier.done.into_iter();
+        let by_id = done.filter_map(|(line, text)| Some((line.id.clone()?, (line, text))));
+        Self {
+            lines: HashMap::new(),
+            earlier: by_id.collect(),
+        }
+    }
+
+    /// Looks at a line: who it is, and whether it is to be run. An error if the earlier run's job of this id is another.
+    pub fn enter(&mut self, number: usize, text: &str) -> Result<Entry, Failure> {
+        let text = text.trim();
+        let hash = hash(text);
+        let outline: Outline = serde_json::from_str(text).unwrap_or_default();
+        let id = outline.id.filter(|id| check_id(id).is_ok());
+        let mut refusal = None;
+        if let Some(id) = &id {
+            if let Some((done, line)) = self.earlier.get(id)
+                && !self.lines.contains_key(id)
+            {
+                if done.job != hash {
+                    return Err(Failure::Usage(format!(
+                        "line {number}: the results have another job {id} (line {} then): give this one a new id, or \
+                         choose another -o",
+                        done.line
+                    )));
+                }
+                self.lines.insert(id.clone(), number);
+                return Ok(Entry::Done(line.clone()));
+            }
+            let first = *self.lines.entry(id.clone()).or_insert(number);
+            if first != number {
+                refusal = Some(Failure::Input(format!(
+                    "id: {id} is that of line {first} already"
+                )));
+            }
+        }
+        Ok(Entry::Run(Line {
+            number,
+            text: text.to_string(),
+            hash,
+            id,
+            refusal,
+        }))
+    }
+}
+
+/// Tells texts apart.
+pub fn hash(text: &str) -> String {
+    let mut hash = Fnv1a::default();
+    hash.write(text.as_bytes());
+    format!("fnv1a64:{:016x}", hash.0)
+}

@@ -1,0 +1,134 @@
+//! A job's folder: there with all its files, or not at all.
+
+use crate::jobs::failure::Failure;
+use crate::jobs::id::{MANIFEST, REPORT, RESULTS};
+use crate::output::results::ResultFile;
+use crate::output::unfinished::Unfinished;
+use crate::output::{FileError, atomic};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+/// Ends the names of folders that are not complete.
+const UNFINISHED: &str = ".unfinished";
+
+/// The batch's own files, which are written under temporary names too, and the probe of its folder.
+const OWN_FILES: [&str; 4] = [RESULTS, MANIFEST, REPORT, "probe"];
+
+/// Writes the files into `directory/id`, and returns their paths from `directory` by their keys once they would
+/// survive a power cut.
+pub fn write(
+    directory: &Path,
+    id: &str,
+    files: &[ResultFile],
+) -> Result<BTreeMap<String, String>, Failure> {
+    let named: Vec<_> = files
+        .iter()
+        .map(|file| (PathBuf::from(file.name), file))
+        .collect();
+    let put = |file: &&ResultFile, path: &Path| Ok(file.write(path)?);
+    fill(directory, id, &named, put)?;
+    Ok(files
+        .iter()
+        .map(|file| (file.key.to_string(), format!("{id}/{}", file.name)))
+        .collect())
+}
+
+/// Makes the folder of a job that another batch has written: its files under their names.
+pub fn copy(directory: &Path, id: &str, files: &[PathBuf]) -> Result<(), Failure> {
+    let names = |path: &PathBuf| path.file_name().map(PathBuf::from).unwrap_or_default();
+    let put = |from: &&PathBuf, to: &Path| -> Result<(), Failure> {
+        fs::copy(from, to).map(drop).map_err(failed(from))
+    };
+    let files: Vec<_> = files.iter().map(|path| (names(path), path)).collect();
+    fill(directory, id, &files, put)
+}
+
+/// Puts every file into an unfinished folder, then gives that its name.
+fn fill<T>(
+    directory: &Path,
+    id: &str,
+    files: &[(PathBuf, T)],
+    put: impl Fn(&T, &Path) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let folder = directory.join(id);
+    refuse_link(&folder)?;
+    // An id never starts with a dot.
+    let path = directory.join(format!(".{id}{UNFINISHED}"));
+    let unfinished = Unfinished::folder(path.clone()).map_err(failed(&path))?;
+    for (name, file) in files {
+        let path = unfinished.path().join(name);
+        put(file, &path)?;
+        let open = File::open(&path);
+        open.and_then(|file| file.sync_data())
+            .map_err(failed(&path))?;
+    }
+    atomic::sync_directory(unfinished.path())?;
+    // Without a line in the results, files of this name are not a job's.
+    remove(&folder)?;
+    unfinished.becomes(&folder).map_err(failed(&folder))?;
+    Ok(atomic::sync_directory(directory)?)
+}
+
+/// Refuses a folder in which symbolic links stand where the batch itself writes or takes away: what
+/// they lead to is none of its business.
+pub fn refuse_links(directory: &Path) -> Result<(), Failure> {
+    for own in OWN_FILES {
+        refuse_link(&directory.join(own))?;
+    }
+    for path in unfinished(directory)? {
+        refuse_link(&path)?;
+    }
+    Ok(())
+}
+
+fn refuse_link(path: &Path) -> Result<(), Failure> {
+    match fs::symlink_metadata(path) {
+        Ok(what) if what.is_symlink() => Err(Failure::Input(format!(
+            "{}: a symbolic link, which a batch does not write through: move it away, or choose another -o",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Takes away what a batch that was killed was writing.
+pub fn sweep(directory: &Path) -> Result<(), Failure> {
+    for path in unfinished(directory)? {
+        match path.is_dir() {
+            true => remove(&path)?,
+            false => fs::remove_file(&path).map_err(failed(&path))?,
+        }
+    }
+    Ok(())
+}
+
+/// Everything under a temporary name.
+fn unfinished(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(directory).map_err(failed(directory))? {
+        let entry = entry.map_err(failed(directory))?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let begins = |file: &str| name.starts_with(&format!(".{file}."));
+        let is_folder = name.starts_with('.') && name.ends_with(UNFINISHED);
+        if is_folder || OWN_FILES.into_iter().any(begins) && name.ends_with(".tmp") {
+            found.push(entry.path());
+        }
+    }
+    Ok(found)
+}
+
+fn remove(folder: &Path) -> Result<(), Failure> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(folder)(error)),
+        _ => Ok(()),
+    }
+}
+
+fn failed(path: &Path) -> impl Fn(std::io::Error) -> Failure + '_ {
+    move |error| {
+        let what = format!("cannot be written: {}", atomic::plain(&error));
+        FileError::io(path, what).into()
+    }
+}

@@ -1,0 +1,215 @@
+//! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
+
+use super::clock::StageClock;
+use super::error::EngineError;
+use super::group_images::GroupImages;
+use super::objective::{Evaluation, Objective, check_size, evaluate, inner_product};
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::refusals;
+use super::results::BackwardGradient;
+use super::settings::Settings;
+use super::spare::Spare;
+use super::stage::Stage;
+use super::statistics::Statistics;
+use crate::gradient::path::backward::BackwardSweep;
+use crate::gradient::scene::backward::{FilmSums, TileGradient, TileSums, Wanted};
+use crate::gradient::terms::Terms;
+use crate::lanes::LANES;
+use crate::paths::boundary_sample::Coordinate;
+use crate::paths::counts::Counts;
+use crate::paths::film::filter::{Block, gather_point, gather_row};
+use crate::paths::film::tile::TracedTile;
+use crate::paths::integrator::Integrator;
+use crate::paths::rays::from_lanes;
+use crate::paths::store::TileStore;
+use crate::picture::Image;
+use crate::room;
+use crate::scene::{Rgb, SceneDifferential};
+use glam::Vec3;
+use std::time::Instant;
+
+/// The sweep takes derivatives by the image between this and its inverse as they are.
+const LEAST_MAGNITUDE: f32 = 1e-6;
+
+/// d objective/d(everything in `request`).
+pub fn backward(
+    prepared: &Prepared,
+    settings: &Settings,
+    request: &SceneDifferential,
+    objective: &Objective,
+    progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    let scene = prepared.scene;
+    refusals::check(scene, request, settings.method)?;
+    let Evaluation {
+        loss,
+        mut adjoint,
+        image,
+        mut statistics,
+    } = evaluate(prepared, settings, objective, progress)?;
+    let magnitude = to_unit_magnitude(&mut adjoint);
+    let visibility = settings.method.looks_for_discontinuities() && request.moves_edges(scene);
+    let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
+    stage.ask_about(request);
+    check_size(&adjoint, stage.size)?;
+    let wanted = Wanted::new(scene, request);
+    let swept = sweep_tiles(&stage, &wanted, &adjoint.pixels, progress, &mut statistics)?;
+
+    let sums = swept.sums.into_iter();
+    let groups: Vec<SceneDifferential> = sums
+        .map(|mut sums| {
+            sums.scale(magnitude);
+            sums.finish(scene, &stage.parts.geometry, &stage.camera, request)
+        })
+        .collect();
+    let gradient = SceneDifferential::mean(&groups);
+    let own = stage.image(swept.images.finish()?.0);
+    let (loss, image) = match objective {
+        Objective::Adjoint(adjoint) => (inner_product(&own, adjoint), own),
+        _ => (loss, image.unwrap_or(own)),
+    };
+    Ok(BackwardGradient {
+        image,
+        gradient,
+        groups,
+        loss,
+        terms: swept.terms,
+        statistics,
+    })
+}
+
+/// What all tiles add up to.
+struct Swept {
+    images: GroupImages,
+    /// Of each group.
+    sums: Vec<FilmSums>,
+    terms: Terms,
+}
+
+/// Traces every tile and differentiates it, given the derivative by the image.
+fn sweep_tiles(
+    stage: &Stage,
+    wanted: &Wanted,
+    adjoint: &[Rgb],
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+) -> Result<Swept, EngineError> {
+    let clock = StageClock::start();
+    let (scene, geometry) = (stage.scene, &stage.parts.geometry);
+    let view = stage.view();
+    let estimator = stage.estimator();
+    let integrator = Integrator {
+        view: &view,
+        estimator: &*estimator,
+    };
+    let sweep = BackwardSweep {
+        view: &view,
+        wanted,
+    };
+    let (stores, scratch) = (Spare::new(), Spare::new());
+    let sums = stage.own_groups();
+    let mut swept = Swept {
+        images: stage.group_images()?,
+        sums: sums
+            .map(|_| FilmSums::new(scene, geometry, wanted))
+            .collect::<Result<Vec<_>, _>>()?,
+        terms: Terms::new(scene.meshes.len(), scene.textures.len()),
+    };
+    let scratch_bytes = TileSums::bytes_needed(scene, geometry, wanted);
+    room::look_for(stage.threads() as u64 * scratch_bytes)?;
+    let mut counts = Counts::default();
+    stage.for_each_tile(
+        progress,
+        |group, index| {
+            let tile = stage.lattice.tile(index, group, stage.seed);
+            let start = Instant::now();
+            let store = stores.take(TileStore::default);
+            let traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
+            let start = clock.add_tracing(start);
+            let mut block = Block::new(&stage.filter, &traced.tile);
+            traced.splat(&traced.image.radiance, &mut block);
+            let mut tile_sums = scratch.take(|| TileSums::new(scene, geometry, wanted));
+            let gradient = differentiate(stage, &sweep, &traced, adjoint, &mut tile_sums);
+            clock.add_differentiating(start);
+            scratch.give_back(tile_sums);
+            stores.give_back(traced.store);
+            let mut counts = traced.counts;
+            counts.gradient_not_finite += gradient.not_finite;
+            (block, gradient, counts)
+        },
+        |group, (block, gradient, tile_counts)| {
+            let own = (group - stage.own_groups().start) as usize;
+            swept.images.add(group, &block);
+            swept.sums[own].add(&gradient);
+            swept.terms.absorb(&gradient.terms);
+            counts += tile_counts;
+        },
+    )?;
+    statistics.add_counts(&counts);
+    clock.stop(statistics);
+    Ok(swept)
+}
+
+/// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep multiplies the derivative
+/// with radiances in single precision, where the square of a large radiance would overflow.
+fn to_unit_magnitude(adjoint: &mut Image) -> f64 {
+    let values = || adjoint.pixels.iter().flatten();
+    let largest = values().fold(0.0f32, |most, v| most.max(v.abs()));
+    // Everything else is as exact as it is.
+    if largest == 0.0 || (LEAST_MAGNITUDE..1.0 / LEAST_MAGNITUDE).contains(&largest) {
+        return 1.0;
+    }
+    let exponent = f64::from(largest).log2().floor();
+    let magnitude = exponent.exp2();
+    for v in adjoint.pixels.iter_mut().flatten() {
+        *v = (f64::from(*v) / magnitude) as f32;
+    }
+    magnitude
+}
+
+/// A tile's part of the gradient.
+fn differentiate(
+    stage: &Stage,
+    sweep: &BackwardSweep,
+    traced: &TracedTile,
+    adjoint: &[Rgb],
+    sums: &mut TileSums,
+) -> TileGradient {
+    let [columns, rows] = traced.tile.points;
+    let width = stage.size[0];
+    let mut bars = vec![[0.0; 3]; columns * rows];
+    let mut row_bars = Vec::new();
+    for (row, y_taps) in traced.taps[1].iter().enumerate() {
+        gather_row(adjoint, width, &traced.taps[0], y_taps, &mut row_bars);
+        bars[row * columns..(row + 1) * columns].copy_from_slice(&row_bars);
+    }
+    for (number, packet) in traced.packets().enumerate() {
+        let mut lanes = [Vec3::ZERO; LANES];
+        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+            lanes[lane] = Vec3::from(bars[packet.row * columns + packet.column + lane]);
+        }
+        if lanes.iter().any(|b| *b != Vec3::ZERO) {
+            sweep.add_path(
+                &traced.store,
+                number,
+                [packet.u, packet.v],
+                from_lanes(&lanes),
+                sums,
+            );
+            sums.end_term();
+        }
+    }
+    for sample in traced.store.film_boundary() {
+        let Coordinate::Film(at) = sample.at else {
+            continue;
+        };
+        let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
+        let bar = gather_point(adjoint, width, &x, &y);
+        if bar != [0.0; 3] {
+            sweep.add_film_boundary(sample, bar, sums);
+            sums.end_term();
+        }
+    }
+    sums.take()
+}

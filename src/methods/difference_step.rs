@@ -1,0 +1,77 @@
+//! How far finite differences step.
+
+use super::error::EngineError;
+use super::settings::Settings;
+use crate::paths::film::camera::Camera;
+use crate::scene::parameters::{Parameter, tangent};
+use crate::scene::{Scene, SceneDifferential};
+
+/// Pixels that the fastest point moves at the step h.
+const STEP_PIXELS: f64 = 0.1;
+/// Step for parameters that move nothing: the image is linear or smooth in them.
+const STEP_COLOUR: f64 = 0.01;
+/// And no more than this part of the way to the nearest limit.
+const STEP_ROOM: f64 = 0.2;
+
+/// A step along the direction that moves the fastest visible point by a tenth of a pixel.
+pub fn step(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Result<f64, EngineError> {
+    let named: Vec<(&str, &[f32])> = direction
+        .iter()
+        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+        .collect();
+    let tangent =
+        tangent(scene, &named, settings.sensor).map_err(|e| EngineError::Refused(e.to_string()))?;
+    let camera = Camera::new(&scene.sensors[settings.sensor]);
+    let width = settings
+        .resolution
+        .map_or(scene.sensors[settings.sensor].film.width, |r| r[0]) as f64;
+    // Pixels per unit of (velocity over depth).
+    let pixels = width / (2.0 * camera.tan_half_x_fov);
+    let mut fastest: f64 = 0.0;
+    for (mesh, velocities) in scene.meshes.iter().zip(&tangent.positions) {
+        let Some(velocities) = velocities else {
+            continue;
+        };
+        for (p, v) in mesh.positions.iter().zip(velocities) {
+            let distance = (*p - camera.origin).length() as f64;
+            fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
+        }
+    }
+    if let Some(motion) = &tangent.camera {
+        let nearest = scene
+            .meshes
+            .iter()
+            .flat_map(|m| &m.positions)
+            .map(|p| (*p - camera.origin).dot(camera.axes[2]))
+            .filter(|depth| *depth > camera.near_clip)
+            .fold(f32::INFINITY, f32::min) as f64;
+        let by_translation = motion.translation.length() as f64 / nearest;
+        let by_turn = motion.rotation.length() as f64 + (motion.x_fov_deg as f64).to_radians();
+        fastest = fastest.max((by_translation + by_turn) * pixels);
+    }
+    Ok(if fastest > 0.0 && fastest.is_finite() {
+        STEP_PIXELS / fastest
+    } else {
+        colour_step(scene, &tangent)
+    })
+}
+
+/// A step along which no number leaves its limits: a roughness of 0.01 cannot change by 0.02.
+fn colour_step(scene: &Scene, tangent: &SceneDifferential) -> f64 {
+    let mut step = STEP_COLOUR;
+    for (texture, changes) in scene.textures.iter().zip(&tangent.texels) {
+        let [low, high] = texture.limits;
+        let values = texture.texels.iter().flatten();
+        for (value, by) in values.zip(changes.iter().flatten().flatten()) {
+            let room = (value - low).min(high - value);
+            if room > 0.0 && *by != 0.0 {
+                step = step.min(STEP_ROOM * f64::from(room / by.abs()));
+            }
+        }
+    }
+    step
+}

@@ -1,0 +1,115 @@
+//! From what is asked for to the method that computes it.
+
+use super::differences;
+use super::error::EngineError;
+use super::objective::{self, Evaluation, Objective};
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::results::{BackwardGradient, ForwardGradient, Rendering};
+use super::settings::Settings;
+use super::tails::object_of;
+use super::workers::Workers;
+use crate::scene::Scene;
+use crate::scene::parameters::{self, Parameter};
+
+/// Renders the image.
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Rendering, EngineError> {
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    let mut done = prepared.render(settings, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
+}
+
+/// Forward mode: the derivative of the image along one direction in parameter space.
+pub fn forward(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
+    if settings.method.displaces_scenes() {
+        // Every image is of another scene: this one need not be prepared.
+        let workers = Workers::new(settings.threads)?;
+        return differences::forward(scene, &workers, settings, direction, progress);
+    }
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    let mut done = prepared.forward(settings, direction, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
+}
+
+/// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
+pub fn backward(
+    scene: &Scene,
+    settings: &Settings,
+    wanted: &[Parameter],
+    objective: &Objective,
+    progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    let mut done = prepared.backward(settings, wanted, objective, progress)?;
+    done.statistics.spend("build", prepared.build_seconds);
+    Ok(done)
+}
+
+impl Prepared<'_> {
+    /// Renders the image.
+    pub fn render(
+        &self,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<Rendering, EngineError> {
+        super::render::render(self, settings, progress)
+    }
+
+    /// Forward mode: the derivative of the image along one direction in parameter space.
+    pub fn forward(
+        &self,
+        settings: &Settings,
+        direction: &[(Parameter, Vec<f32>)],
+        progress: &dyn Progress,
+    ) -> Result<ForwardGradient, EngineError> {
+        if settings.method.displaces_scenes() {
+            return differences::forward(self.scene, &self.workers, settings, direction, progress);
+        }
+        let named: Vec<(&str, &[f32])> = direction
+            .iter()
+            .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+            .collect();
+        let tangent = parameters::tangent(self.scene, &named, settings.sensor)?;
+        super::forward::forward(self, settings, &tangent, progress)
+    }
+
+    /// The value of an objective and its derivative by the image.
+    pub fn evaluate(
+        &self,
+        settings: &Settings,
+        objective: &Objective,
+        progress: &dyn Progress,
+    ) -> Result<Evaluation, EngineError> {
+        objective::evaluate(self, settings, objective, progress)
+    }
+
+    /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
+    pub fn backward(
+        &self,
+        settings: &Settings,
+        wanted: &[Parameter],
+        objective: &Objective,
+        progress: &dyn Progress,
+    ) -> Result<BackwardGradient, EngineError> {
+        let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
+        let mut done = super::backward::backward(self, settings, &request, objective, progress)?;
+        for parameter in wanted {
+            let object = parameter.target.and_then(object_of);
+            let share = object.and_then(|object| done.terms.largest_share(object));
+            let parts = &mut done.statistics.largest_parts;
+            parts.extend(share.map(|share| (parameter.key.clone(), share)));
+        }
+        Ok(done)
+    }
+}

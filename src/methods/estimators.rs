@@ -1,0 +1,190 @@
+//! Which methods there are, and what each can do.
+//!
+//! Everything else asks for an ability and never for a name: a method that is added here is known to jobs, batches,
+//! refusals and the command line. What estimators of boundaries declare of themselves belongs in the same table.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+// No comments on these: what is said of them stands once, in the table.
+/// An estimator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(rename = "MethodName")]
+pub enum Method {
+    #[default]
+    Reparam,
+    Interior,
+    Fd,
+}
+
+/// A method with what is said of it and what it can do.
+#[derive(Debug)]
+pub struct Estimator {
+    pub method: Method,
+    /// As it is typed, and as it stands in reports.
+    pub name: &'static str,
+    /// In words, where a sentence names it.
+    pub title: &'static str,
+    /// For those who choose.
+    pub about: &'static str,
+    pub discontinuities: Discontinuities,
+    /// How it comes by a gradient.
+    pub way: Way,
+}
+
+/// What becomes of the discontinuities that parameters move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Discontinuities {
+    /// Their part of the gradient is left out.
+    Ignored,
+    /// These are found and differentiated. Scenes with others are refused.
+    Found(&'static [Discontinuity]),
+    /// All of them count, and none is looked for.
+    ByDefinition,
+}
+
+/// Kinds of discontinuities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Discontinuity {
+    /// Silhouettes that the camera sees, or that rough surfaces reflect or transmit.
+    Silhouette,
+    /// Shadows of lights with an extent, and of the environment.
+    SoftShadow,
+    /// Shadows of lights without an extent.
+    SharpShadow,
+    /// What is seen in perfectly smooth reflections and refractions.
+    Mirrored,
+    /// What is seen behind surfaces that do nothing to light.
+    BehindNull,
+}
+
+/// How a gradient is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Stored paths are differentiated, forwards or backwards. Any of the samples can be differentiated apart.
+    Paths,
+    /// Images of scenes that are displaced along one direction are compared: there is no reverse mode, and each image
+    /// needs all the samples.
+    Images,
+}
+
+/// All methods, the usual one first.
+pub const ESTIMATORS: [Estimator; 3] = [
+    Estimator {
+        method: Method::Reparam,
+        name: "reparam",
+        title: "reparam",
+        about: "Changes of variables that hold the discontinuities still",
+        discontinuities: Discontinuities::Found(&[
+            Discontinuity::Silhouette,
+            Discontinuity::SoftShadow,
+        ]),
+        way: Way::Paths,
+    },
+    Estimator {
+        method: Method::Interior,
+        name: "interior",
+        title: "interior",
+        about: "Ignores visibility: wrong wherever an edge moves",
+        discontinuities: Discontinuities::Ignored,
+        way: Way::Paths,
+    },
+    Estimator {
+        method: Method::Fd,
+        name: "fd",
+        title: "finite differences",
+        about: "Finite differences: the reference",
+        discontinuities: Discontinuities::ByDefinition,
+        way: Way::Images,
+    },
+];
+
+/// Names of the interface that are still to come.
+pub const NOT_BUILT_YET: [&str; 3] = ["auto", "edges", "warped-area"];
+
+impl Method {
+    /// What the others are checked against.
+    pub const REFERENCE: Self = Method::Fd;
+
+    /// The method of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let found = ESTIMATORS.iter().find(|e| e.name == name);
+        found.map(|e| e.method)
+    }
+
+    /// Its row of the table.
+    pub fn estimator(self) -> &'static Estimator {
+        let [reparam, interior, fd] = &ESTIMATORS;
+        match self {
+            Method::Reparam => reparam,
+            Method::Interior => interior,
+            Method::Fd => fd,
+        }
+    }
+
+    /// The name used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        self.estimator().name
+    }
+
+    /// In words.
+    pub fn title(self) -> &'static str {
+        self.estimator().title
+    }
+
+    /// Whether it gives the derivative of one number by many parameters in one pass.
+    pub fn has_reverse_mode(self) -> bool {
+        self.estimator().way == Way::Paths
+    }
+
+    /// Whether groups of a job's samples can be done apart, by several processes.
+    pub fn shares_samples(self) -> bool {
+        self.estimator().way == Way::Paths
+    }
+
+    /// Whether it renders displaced scenes, and keeps whole images of every group of samples.
+    pub fn displaces_scenes(self) -> bool {
+        self.estimator().way == Way::Images
+    }
+
+    /// Whether the other methods are checked against it.
+    pub fn is_reference(self) -> bool {
+        self == Self::REFERENCE
+    }
+
+    /// Whether it leaves out what moving discontinuities bring.
+    pub fn ignores_visibility(self) -> bool {
+        self.estimator().discontinuities == Discontinuities::Ignored
+    }
+
+    /// Whether it looks for discontinuities along the paths.
+    pub fn looks_for_discontinuities(self) -> bool {
+        matches!(self.estimator().discontinuities, Discontinuities::Found(_))
+    }
+
+    /// Whether its gradients miss discontinuities of this kind though it looks for others.
+    pub fn misses(self, kind: Discontinuity) -> bool {
+        match self.estimator().discontinuities {
+            Discontinuities::Found(kinds) => !kinds.contains(&kind),
+            Discontinuities::Ignored | Discontinuities::ByDefinition => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_has_its_own_row() {
+        for row in &ESTIMATORS {
+            assert_eq!(row.method.estimator().name, row.name);
+            assert_eq!(Method::named(row.name), Some(row.method));
+            // As jobs spell it.
+            let text = format!("\"{}\"", row.name);
+            assert_eq!(serde_json::from_str::<Method>(&text).ok(), Some(row.method));
+        }
+        assert!(NOT_BUILT_YET.iter().all(|n| Method::named(n).is_none()));
+    }
+}

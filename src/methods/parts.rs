@@ -1,0 +1,132 @@
+//! What is computed from a scene before anything is traced.
+
+use super::edits::Edits;
+use super::error::EngineError;
+use super::reach::check_meshes;
+use super::workers::Workers;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::environment::distribution::Sky;
+use crate::paths::light::patches::Lights;
+use crate::paths::surface::materials::MaterialTable;
+use crate::room::{Cancelled, Unfinished};
+use crate::scene::{Mesh, Scene};
+use crate::trace::geometry::Geometry;
+use crate::trace::{Accel, AccelOptions, Backend, MeshView};
+use std::sync::{Arc, OnceLock};
+
+/// What is computed from a scene before anything is traced. Clones share it.
+#[derive(Clone)]
+pub struct Parts {
+    pub(super) geometry: Arc<Geometry>,
+    pub(super) accel: Arc<Accel>,
+    pub(super) lights: Arc<Lights>,
+    pub(super) materials: Arc<MaterialTable>,
+    pub(super) sky: Option<Arc<Sky>>,
+    /// Made when silhouettes are first asked for.
+    pub(super) adjacency: Arc<OnceLock<Adjacency>>,
+}
+
+impl Parts {
+    /// Makes everything of `scene`.
+    pub fn new(
+        scene: &Scene,
+        workers: &Workers,
+        backend: Backend,
+        cancelled: Cancelled,
+    ) -> Result<Self, EngineError> {
+        check_meshes(scene)?;
+        let accel = Accel::build(
+            &views(&scene.meshes),
+            AccelOptions::new(true, workers.threads).on(backend),
+        )
+        .map_err(|error| EngineError::Failed(error.to_string()))?;
+        let geometry = Geometry::new(scene);
+        Ok(Self {
+            lights: lights(scene, &geometry, workers),
+            materials: Arc::new(MaterialTable::new(scene)),
+            sky: sky(scene, workers, cancelled)?,
+            adjacency: Arc::default(),
+            geometry: Arc::new(geometry),
+            accel: Arc::new(accel),
+        })
+    }
+
+    /// The parts of an edited scene: only what the edits touch is made anew. `accel` is over the edited meshes.
+    pub fn edited(
+        &self,
+        scene: &Scene,
+        edits: &Edits,
+        accel: Arc<Accel>,
+        workers: &Workers,
+        cancelled: Cancelled,
+    ) -> Result<Self, EngineError> {
+        let moves = edits.moved.contains(&true);
+        let geometry = match moves {
+            true => Arc::new(Geometry::new(scene)),
+            false => self.geometry.clone(),
+        };
+        let adjacency = match self.adjacency.get() {
+            _ if !moves => self.adjacency.clone(),
+            Some(before) => {
+                let link = || before.with_moved(&geometry, &edits.moved);
+                let linked = workers.pool.install(link);
+                Arc::new(OnceLock::from(linked))
+            }
+            None => Arc::default(),
+        };
+        Ok(Self {
+            lights: match edits.lights(scene) {
+                true => lights(scene, &geometry, workers),
+                false => self.lights.clone(),
+            },
+            materials: match edits.materials(scene) {
+                true => Arc::new(MaterialTable::new(scene)),
+                false => self.materials.clone(),
+            },
+            sky: match edits.sky(scene) {
+                true => sky(scene, workers, cancelled)?,
+                false => self.sky.clone(),
+            },
+            adjacency,
+            geometry,
+            accel,
+        })
+    }
+
+    /// What rays are traced against.
+    pub fn accel(&self) -> &Arc<Accel> {
+        &self.accel
+    }
+}
+
+fn lights(scene: &Scene, geometry: &Geometry, workers: &Workers) -> Arc<Lights> {
+    let new = || Lights::new(scene, geometry, false);
+    Arc::new(workers.pool.install(new))
+}
+
+fn sky(
+    scene: &Scene,
+    workers: &Workers,
+    cancelled: Cancelled,
+) -> Result<Option<Arc<Sky>>, Unfinished> {
+    let Some(environment) = &scene.environment else {
+        return Ok(None);
+    };
+    let Some(map) = &environment.map else {
+        return Ok(None);
+    };
+    let texture = &scene.textures[environment.radiance];
+    let made = workers.pool.install(|| Sky::new(texture, map, cancelled));
+    Ok(Some(Arc::new(made?)))
+}
+
+/// The meshes as they are traced.
+pub fn views(meshes: &[Mesh]) -> Vec<MeshView<'_>> {
+    meshes
+        .iter()
+        .map(|mesh| MeshView {
+            positions: &mesh.positions,
+            triangles: &mesh.triangles,
+        })
+        .collect()
+}

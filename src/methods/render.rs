@@ -1,0 +1,95 @@
+//! The image itself.
+
+use super::clock::StageClock;
+use super::error::EngineError;
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::results::Rendering;
+use super::settings::Settings;
+use super::spare::Spare;
+use super::stage::Stage;
+use super::statistics::Statistics;
+use crate::paths::counts::Counts;
+use crate::paths::estimator::Interior;
+use crate::paths::film::filter::Block;
+use crate::paths::film::tile::TracedTile;
+use crate::paths::integrator::Integrator;
+use crate::paths::store::TileStore;
+use crate::room;
+use crate::scene::Rgb;
+use std::time::Instant;
+
+/// Renders the image.
+pub fn render(
+    prepared: &Prepared,
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Rendering, EngineError> {
+    let mut statistics = Statistics::default();
+    let settings = Settings {
+        standard_error: false,
+        ..settings.clone()
+    };
+    let stage = Stage::new(prepared, &settings, false, &mut statistics)?;
+    let mut images = stage.group_images()?;
+    trace(&stage, progress, &mut statistics, |group, block| {
+        images.add(group, block)
+    })?;
+    let image = stage.image(images.finish()?.0);
+    Ok(Rendering { image, statistics })
+}
+
+/// Images of each group of samples, for finite differences.
+pub fn group_images(
+    prepared: &Prepared,
+    settings: &Settings,
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
+    let stage = Stage::new(prepared, settings, false, statistics)?;
+    let pixels = stage.size[0] * stage.size[1];
+    let images = (0..stage.groups).map(|_| room::filled([0.0; 3], pixels));
+    let mut images = images.collect::<Result<Vec<_>, _>>()?;
+    let width = stage.size[0];
+    trace(&stage, progress, statistics, |group, block| {
+        block.add_to(&mut images[group as usize], width);
+    })?;
+    Ok((images, stage.size))
+}
+
+fn trace(
+    stage: &Stage,
+    progress: &dyn Progress,
+    statistics: &mut Statistics,
+    mut merge: impl FnMut(u32, &Block),
+) -> Result<(), EngineError> {
+    let clock = StageClock::start();
+    let view = stage.view();
+    let integrator = Integrator {
+        view: &view,
+        estimator: &Interior,
+    };
+    let stores = Spare::new();
+    let mut counts = Counts::default();
+    stage.for_each_tile(
+        progress,
+        |group, index| {
+            let start = Instant::now();
+            let tile = stage.lattice.tile(index, group, stage.seed);
+            let store = stores.take(TileStore::default);
+            let traced = TracedTile::trace(&integrator, &stage.filter, tile, false, store);
+            let mut block = Block::new(&stage.filter, &traced.tile);
+            traced.splat(&traced.image.radiance, &mut block);
+            clock.add_tracing(start);
+            stores.give_back(traced.store);
+            (block, traced.counts)
+        },
+        |group, (block, tile_counts)| {
+            merge(group, &block);
+            counts += tile_counts;
+        },
+    )?;
+    statistics.add_counts(&counts);
+    clock.stop_tracing(statistics);
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! What to render with.
+
+use super::estimators::Method;
+use super::groups::group_count;
+use crate::trace::Backend;
+
+/// What to render with, the scene's own settings already filled in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Camera paths per pixel.
+    pub spp: u32,
+    pub seed: u64,
+    pub threads: usize,
+    /// Longest path in segments; `u32::MAX` for no limit.
+    pub max_depth: u32,
+    /// First segment at which russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Emitters seen directly by the camera are black.
+    pub hide_emitters: bool,
+    /// Index into [`Scene::sensors`](crate::scene::Scene::sensors).
+    pub sensor: usize,
+    /// Width and height in pixels in place of the film's.
+    pub resolution: Option<[u32; 2]>,
+    pub method: Method,
+    /// What traces the rays.
+    pub backend: Backend,
+    /// Whether to estimate standard errors, which costs memory.
+    pub standard_error: bool,
+    /// In place of the groups that standard errors need.
+    pub groups: Option<Groups>,
+}
+
+/// How the samples are parted into independent groups, each with a lattice and random numbers of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Groups {
+    /// Divides the number of samples a pixel.
+    pub count: u32,
+    /// The one group to do, if not all are: the others are done elsewhere.
+    pub only: Option<u32>,
+}
+
+impl Settings {
+    /// The groups asked for, or those that standard errors need.
+    pub fn groups(&self) -> Groups {
+        self.groups.unwrap_or(Groups {
+            count: match self.standard_error {
+                true => group_count(self.spp),
+                false => 1,
+            },
+            only: None,
+        })
+    }
+}

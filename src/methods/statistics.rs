@@ -1,0 +1,79 @@
+//! What a run did and where its time went.
+
+use crate::paths::counts::Counts;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What a run did and where its time went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Rays traced, by kind: camera, shadow, bounce, …
+    pub rays: BTreeMap<&'static str, u64>,
+    /// Cells between whose ends a silhouette was found.
+    pub silhouettes: u64,
+    /// Samples rejected, by cause.
+    pub rejected: BTreeMap<&'static str, u64>,
+    /// Seconds, by stage.
+    pub seconds: BTreeMap<&'static str, f64>,
+    /// What the threads spent in tiles, added up over threads: the computation without what surrounds it.
+    pub tile_seconds: f64,
+    /// The share that the largest part has in a gradient, by key: of `backward` that of one packet of paths or one border on
+    /// the film in the sum of their squares, of a gradient image (under `gradient`) that of one pixel in a thousand in the
+    /// variance.
+    pub largest_parts: BTreeMap<String, f64>,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
+}
+
+impl Statistics {
+    /// Adds to a stage's time.
+    pub fn spend(&mut self, stage: &'static str, seconds: f64) {
+        *self.seconds.entry(stage).or_default() += seconds;
+    }
+
+    /// Adds the time since `start` to a stage.
+    pub fn add_seconds(&mut self, stage: &'static str, start: Instant) {
+        self.spend(stage, start.elapsed().as_secs_f64());
+    }
+
+    /// Adds what another run did, but for its remarks.
+    pub fn absorb(&mut self, other: &Statistics) {
+        for (&stage, &seconds) in &other.seconds {
+            self.spend(stage, seconds);
+        }
+        for (&kind, &count) in &other.rays {
+            *self.rays.entry(kind).or_default() += count;
+        }
+        self.silhouettes += other.silhouettes;
+        for (&cause, &count) in &other.rejected {
+            *self.rejected.entry(cause).or_default() += count;
+        }
+        self.tile_seconds += other.tile_seconds;
+    }
+
+    /// Adds what tiles counted.
+    pub fn add_counts(&mut self, counts: &Counts) {
+        let rays = [
+            ("camera", counts.camera),
+            ("shadow", counts.shadow),
+            ("bounce", counts.bounce),
+            ("light_cell", counts.light_cell),
+            ("bounce_cell", counts.bounce_cell),
+            ("sky_cell", counts.sky_cell),
+            ("probe", counts.probe),
+        ];
+        for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {
+            *self.rays.entry(kind).or_default() += count;
+        }
+        self.silhouettes += counts.resolved;
+        let rejected = [
+            ("not_finite", counts.not_finite),
+            ("boundary_not_finite", counts.boundary_not_finite),
+            ("gradient_not_finite", counts.gradient_not_finite),
+            ("silhouette_not_found", counts.unresolved),
+        ];
+        for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {
+            *self.rejected.entry(cause).or_default() += count;
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Statistics of estimates: how sure they are, and how far they are from each other.
+
+pub mod agreement;
+pub mod comparison;
+pub mod estimate;
+pub mod image_mean;
+pub mod replicates;
