@@ -68,10 +68,7 @@ impl Boundary {
     pub fn side<F: Real>(&self, o: V3<F>, d: V3<F>, point: impl Fn(u32) -> V3<F>) -> F {
         match *self {
             Boundary::Edge([a, b]) => edge_side(o, d, point(a), point(b)),
-            Boundary::Crease([a, b]) => {
-                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(&point), b.map(&point));
-                crease_side(o, d, a0, a1, a2, b0, b1, b2)
-            }
+            Boundary::Crease([a, b]) => crease_side(o, d, a.map(&point), b.map(&point)),
             Boundary::Point {
                 edge: [a, b],
                 along,
@@ -109,10 +106,10 @@ impl Boundary {
                 (dvec3(o_bar), dvec3(d_bar))
             }
             Boundary::Crease([a, b]) => {
-                let ([a0, a1, a2], [b0, b1, b2]) = (a.map(point), b.map(point));
-                let (o_bar, d_bar, a0, a1, a2, b0, b1, b2) =
-                    crease_side_adjoint(vector(o), vector(d), a0, a1, a2, b0, b1, b2, side_bar);
-                for (v, bar) in a.into_iter().chain(b).zip([a0, a1, a2, b0, b1, b2]) {
+                let ends = (a.map(point), b.map(point));
+                let (o_bar, d_bar, a_bar, b_bar) =
+                    crease_side_adjoint(vector(o), vector(d), ends.0, ends.1, side_bar);
+                for (v, bar) in a.into_iter().chain(b).zip(a_bar.into_iter().chain(b_bar)) {
                     scatter(v, dvec3(bar));
                 }
                 (dvec3(o_bar), dvec3(d_bar))

@@ -3,23 +3,15 @@
 use crate::lanes::{Real, V3};
 
 /// Irradiance over π at `x` with unit normal `n`, for unit radiance from the point (`b1`, `b2`) of the
-/// triangle (`q0`, `q1`, `q2`), per unit of db1·db2 and if nothing stands between.
+/// triangle `q`, per unit of db1·db2 and if nothing stands between.
 ///
 /// cosₓ·cos_y/(π r²)·dA with dA = |e1×e2| db1 db2; both cosines are clamped at the horizon. Since the point
 /// keeps its barycentrics when the triangle moves, the sharp border of the light never moves in this
 /// measure, and no sampling density depends on the parameters.
-pub fn triangle_irradiance<F: Real>(
-    x: V3<F>,
-    n: V3<F>,
-    q0: V3<F>,
-    q1: V3<F>,
-    q2: V3<F>,
-    b1: F,
-    b2: F,
-) -> F {
-    let e1 = q1 - q0;
-    let e2 = q2 - q0;
-    let w = q0 + e1 * b1 + e2 * b2 - x;
+pub fn triangle_irradiance<F: Real>(x: V3<F>, n: V3<F>, q: [V3<F>; 3], b1: F, b2: F) -> F {
+    let e1 = q[1] - q[0];
+    let e2 = q[2] - q[0];
+    let w = q[0] + e1 * b1 + e2 * b2 - x;
     let zero = F::splat(0.0);
     let cos_x = n.dot(w).max(zero);
     let cos_light = (-(e1.cross(e2).dot(w))).max(zero);

@@ -2,10 +2,11 @@
 //!
 //! Every `pub fn` here is branch-free and keeps to the subset that `src/adjoint/transform.rs` documents.
 
+pub mod bsdf;
 pub mod camera;
 pub mod frame;
 pub mod fresnel;
-pub mod interface;
+
 pub mod light;
 pub mod microfacet;
 pub mod normal;

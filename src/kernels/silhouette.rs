@@ -14,24 +14,14 @@ pub fn edge_side<F: Real>(o: V3<F>, d: V3<F>, a: V3<F>, b: V3<F>) -> F {
 
 /// Zero where the ray from `o` along `d` meets the planes of two triangles at the same distance: where two
 /// surfaces pass through each other without a common edge.
-#[allow(clippy::too_many_arguments)] // Two triangles seen along a ray are that many.
-pub fn crease_side<F: Real>(
-    o: V3<F>,
-    d: V3<F>,
-    a0: V3<F>,
-    a1: V3<F>,
-    a2: V3<F>,
-    b0: V3<F>,
-    b1: V3<F>,
-    b2: V3<F>,
-) -> F {
-    let ea1 = a1 - a0;
-    let ea2 = a2 - a0;
-    let eb1 = b1 - b0;
-    let eb2 = b2 - b0;
+pub fn crease_side<F: Real>(o: V3<F>, d: V3<F>, a: [V3<F>; 3], b: [V3<F>; 3]) -> F {
+    let ea1 = a[1] - a[0];
+    let ea2 = a[2] - a[0];
+    let eb1 = b[1] - b[0];
+    let eb2 = b[2] - b[0];
     let na = ea1.cross(ea2);
     let nb = eb1.cross(eb2);
-    let oa = a0 - o;
-    let ob = b0 - o;
+    let oa = a[0] - o;
+    let ob = b[0] - o;
     na.dot(oa) * nb.dot(d) - nb.dot(ob) * na.dot(d)
 }

@@ -99,7 +99,7 @@ impl SceneView<'_> {
 mod tests {
     use super::*;
     use crate::lanes::LANES;
-    use crate::paths::rays::from_lanes;
+    use crate::paths::rays::{from_lanes, lane_of};
     use crate::paths::surface::lobe_sample::cosine_direction;
     use glam::{Vec3, vec3};
 
@@ -134,7 +134,7 @@ mod tests {
             for _ in 0..1000 {
                 let (u, v) = (random(), random());
                 let local = cosine_direction(Lane::splat(u), Lane::splat(v));
-                let d = Vec3::from(local.map(|x| x.to_array()[0]));
+                let d = lane_of(local, 0);
                 let is_between = (d.dot(sides[0]) > 0.0) != (d.dot(sides[1]) > 0.0);
                 assert!(!is_between || 1.0 - u <= rim[0]);
                 let counts = between.count(from_lanes(&[d; LANES]));

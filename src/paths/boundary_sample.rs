@@ -27,7 +27,7 @@ pub enum Coordinate {
     Light { patch: u32, at: [f64; 2] },
     /// A world direction (unit) that keeps its place on the environment map.
     Environment([f64; 3]),
-    /// The lobe's coordinate in the frame of the shading normal (`kernels::interface`).
+    /// The lobe's coordinate in the frame of the shading normal (`kernels::bsdf`).
     Lobe([f64; 3]),
 }
 

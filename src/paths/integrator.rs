@@ -233,7 +233,7 @@ impl Integrator<'_> {
         };
         let mut next = self
             .view
-            .sample_lobe(&mut vertices, &surface, rim, &numbers);
+            .bsdf_sample(&mut vertices, &surface, rim, &numbers);
         if let Some(between) = &between {
             next.active &= between.count(next.direction);
         }

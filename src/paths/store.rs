@@ -1,8 +1,10 @@
 //! What is kept of each path, so that the sweeps trace no ray.
 
-use crate::lanes::{LANES, Lane, V3};
+use crate::kernels::bsdf::LobeMasks;
+use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
+use crate::paths::rays::lane_mask;
 use crate::paths::surface::materials::Kinds;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
@@ -41,9 +43,9 @@ pub struct Vertices {
     /// Lanes whose path goes on by diffuse scattering, reflection or refraction; others go straight on.
     pub lobes: Lobes,
     /// Coordinate of the next direction in the frame of the shading normal: the direction itself, or the microfacet's
-    /// normal (`kernels::interface`).
-    pub local: [Lane; 3],
-    /// One over the density of that coordinate and the chance of its lobe, in the measure of `interface_bounce`.
+    /// normal (`kernels::bsdf`).
+    pub local: V3<Lane>,
+    /// One over the density of that coordinate and the chance of its lobe, in the measure of `bsdf_sample`.
     pub inverse_density: Lane,
     /// The chance that its lobe was drawn.
     pub lobe_chance: Lane,
@@ -81,6 +83,26 @@ pub struct Lobes {
     pub diffuse: u32,
     pub reflected: u32,
     pub refracted: u32,
+}
+
+impl Lobes {
+    /// Of packets, as the kernels take them.
+    pub fn masks<F: Real<Mask = <Lane as Real>::Mask>>(&self) -> LobeMasks<F> {
+        self.map(lane_mask)
+    }
+
+    /// Of one lane.
+    pub fn masks_of_lane<F: Real<Mask = bool>>(&self, lane: usize) -> LobeMasks<F> {
+        self.map(|bits| bits >> lane & 1 == 1)
+    }
+
+    fn map<F: Real>(&self, mask: impl Fn(u32) -> F::Mask) -> LobeMasks<F> {
+        LobeMasks {
+            is_diffuse: mask(self.diffuse),
+            is_reflected: mask(self.reflected),
+            is_refracted: mask(self.refracted),
+        }
+    }
 }
 
 impl Vertices {
@@ -144,7 +166,7 @@ impl Default for Vertices {
                 diffuse: u32::MAX,
                 ..Lobes::default()
             },
-            local: [zero, zero, one],
+            local: V3::new(zero, zero, one),
             inverse_density: one,
             lobe_chance: one,
             weight: V3::splat(0.0),

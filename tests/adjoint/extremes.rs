@@ -32,8 +32,8 @@ pub fn check_all(checks: &[Check]) {
         ("microfacet::unhidden_over_cos", unhidden()),
         ("fresnel::fresnel_conductor", conductors()),
         ("fresnel::fresnel_dielectric", dielectrics()),
-        ("interface::interface_value", values()),
-        ("interface::interface_bounce", bounces()),
+        ("bsdf::bsdf_evaluate", values()),
+        ("bsdf::bsdf_sample", bounces()),
     ];
     let mut failures = Vec::new();
     for (name, points) in points {
@@ -168,7 +168,7 @@ fn geometry(cos: f64, alpha: f64) -> [DVec3; 3] {
 
 /// A direction in the kernels' frame of a normal.
 fn world(n: DVec3, local: DVec3) -> DVec3 {
-    let v = direction_from_local(V3::new(n.x, n.y, n.z), local.x, local.y, local.z);
+    let v = direction_from_local(V3::new(n.x, n.y, n.z), V3::new(local.x, local.y, local.z));
     dvec3(v.x, v.y, v.z)
 }
 
@@ -205,7 +205,9 @@ fn values() -> Vec<Point> {
                     point.extend(scaled(-i, scale));
                     point.extend(scaled(o, scale));
                     point.extend(material(alpha));
-                    point.extend([conductor, !conductor, true, false, ggx, true].map(mask));
+                    // Conductor, plastic, smooth, GGX, nonlinear, entering; and the lobe is lit.
+                    let flags = [conductor, !conductor, false, ggx, true, true, true];
+                    point.extend(flags.map(mask));
                     points.push(point);
                 }
             }

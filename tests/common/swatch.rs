@@ -149,7 +149,7 @@ impl Swatch {
                     depth: 0,
                 };
                 let whole = Lane::splat(1.0);
-                let rays = view.sample_lobe(&mut vertices, &surface, whole, &numbers);
+                let rays = view.bsdf_sample(&mut vertices, &surface, whole, &numbers);
                 for lane in 0..toward.len() {
                     let bit = |bits: u32| bits >> lane & 1;
                     let lobes = Lobes {

@@ -178,7 +178,7 @@ fn wide_lobes_tell_their_density() {
                     continue;
                 }
                 let d = swatch.packet(&[o]);
-                let told = view.bounce_pdf_over_cos(&vertices, &surface, d);
+                let told = view.bsdf_pdf_over_cos(&vertices, &surface, d);
                 let lobe =
                     wide.map_or(0.0, |alpha| (reflected(i, alpha, |_| 1.0).density)(o) / o.z);
                 let wanted = specular * lobe + (1.0 - specular) * FRAC_1_PI;

@@ -9,6 +9,7 @@ use glam::{DVec3, dvec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use warpath::boundary::cells::lobe::line::{LaneSurface, Line, Lobe, line_weight};
 use warpath::lanes::Lane;
+use warpath::paths::rays::lane_of;
 use warpath::paths::surface::lobe_sample::cosine_direction;
 use warpath::scene::Distribution::Ggx;
 
@@ -61,7 +62,7 @@ fn diffuse_bounces() -> impl Iterator<Item = (DVec3, f64)> {
     let jitters = pairs(53, 4, 4).map(|[jitter, _]| f64::from(jitter));
     let bounces = pairs(53, 3, 4).map(|[u, v]| {
         let local = cosine_direction(Lane::splat(u), Lane::splat(v));
-        DVec3::from(local.map(|x| f64::from(x.to_array()[0]))).normalize()
+        lane_of(local, 0).as_dvec3().normalize()
     });
     bounces.zip(jitters)
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use warpath::lanes::Lane;
+use warpath::paths::rays::lane_of;
 use warpath::paths::surface::lobe_sample::cosine_direction;
 
 #[test]
@@ -53,7 +54,7 @@ fn streams_are_independent() {
 fn bounces_follow_the_cosine() {
     let mut counts = vec![0; 24 * 24];
     for [u, v] in pairs(5, 2, 3) {
-        let [x, y, z] = cosine_direction(Lane::splat(u), Lane::splat(v)).map(|l| l.to_array()[0]);
+        let [x, y, z] = lane_of(cosine_direction(Lane::splat(u), Lane::splat(v)), 0).to_array();
         assert!((x * x + y * y + z * z - 1.0).abs() < 1e-5 && z >= 0.0);
         let turn = y.atan2(x) / std::f32::consts::TAU;
         let turn = if turn < 0.0 { turn + 1.0 } else { turn };

@@ -298,12 +298,12 @@ impl LightLine<'_> {
         let (ids, [b1, b2]) = patch.vertices_at(s, r);
         let [q0, q1, q2] = ids.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
         let n = vector(lane_of(surface.n, lane).as_dvec3());
-        let irradiance = triangle_irradiance(vector(x), n, q0, q1, q2, b1 as f64, b2 as f64);
+        let irradiance = triangle_irradiance(vector(x), n, [q0, q1, q2], b1 as f64, b2 as f64);
         let scale = irradiance * jump * velocity / patch.probability as f64;
         let radiance = Vec3::from(view.patch_radiance(self.patch, s, r));
         let value = if surface.interface.is_some() {
             let w = from_lanes(&[patch.point(s, r) - lane_of(surface.x, lane); LANES]);
-            let all = view.value_toward(vertices, surface, w, LightKind::Sampled);
+            let all = view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled);
             lane_of(all, lane)
         } else {
             lane_of(vertices.colour, lane)

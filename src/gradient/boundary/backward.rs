@@ -1,13 +1,13 @@
 //! The backward sweep over boundary samples: from what moving boundaries bring to everything that moves them.
 
+use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
-use crate::adjoint::interface::interface_bounce_adjoint;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
+use crate::kernels::bsdf::{RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
-use crate::kernels::interface::{RoughTransmission, interface_bounce};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};
 use crate::paths::rays::{from_lanes, lane_of};
@@ -133,21 +133,21 @@ impl BackwardSweep<'_> {
         &self,
         sample: &BoundarySample,
         here: &Solved,
-        [lx, ly, lz]: [f64; 3],
+        local: [f64; 3],
         bar: f64,
         sums: &mut TileSums,
     ) -> LaneBars {
         let lane = sample.lane as usize;
         let x = lane_of(here.x, lane).as_dvec3();
         let n = vector(lane_of(here.n, lane).as_dvec3());
+        let local = vector(local.into());
         let vertices = here.vertices;
-        let bit = |bits: u32| bits >> lane & 1 == 1;
         let interface = match &here.interface {
-            Some(s) if !bit(vertices.lobes.diffuse) => interface_of_lane(s, lane),
+            Some(s) if vertices.lobes.diffuse >> lane & 1 == 0 => interface_of_lane(s, lane),
             _ => {
-                let d = dvec3(direction_from_local(n, lx, ly, lz));
+                let d = dvec3(direction_from_local(n, local));
                 let (o_bar, d_bar) = self.side(sample, x, d, bar, sums);
-                let (n_bar, _, _, _) = direction_from_local_adjoint(n, lx, ly, lz, vector(d_bar));
+                let (n_bar, _) = direction_from_local_adjoint(n, local, vector(d_bar));
                 return LaneBars {
                     x: sums.admitted(o_bar).as_vec3(),
                     n: sums.admitted(dvec3(n_bar)).as_vec3(),
@@ -157,34 +157,21 @@ impl BackwardSweep<'_> {
         };
         let arriving = vector(lane_of(vertices.direction, lane).as_dvec3());
         let none = RoughTransmission::none();
-        let kinds = &vertices.kinds;
-        let (reflected, refracted) = (bit(vertices.lobes.reflected), bit(vertices.lobes.refracted));
-        let (conductor, plastic) = (bit(kinds.conductor), bit(kinds.plastic));
-        let (smooth, ggx) = (bit(kinds.smooth), bit(kinds.ggx));
-        let (nonlinear, entering) = (bit(kinds.nonlinear), !bit(kinds.inside));
-        let (d, _) = interface_bounce(
-            n, arriving, lx, ly, lz, interface, none, false, reflected, refracted, conductor,
-            plastic, smooth, ggx, nonlinear, entering,
+        let (lobes, kinds) = (
+            vertices.lobes.masks_of_lane(lane),
+            vertices.kinds.masks_of_lane(lane),
         );
+        let (d, _) = bsdf_sample(n, arriving, local, interface, none, lobes, kinds);
         let (o_bar, d_bar) = self.side(sample, x, dvec3(d), bar, sums);
         let no_weight = V3::splat(0.0);
-        let (n_bar, direction_bar, _, _, _, s_bar, _) = interface_bounce_adjoint(
+        let (n_bar, direction_bar, _, s_bar, _) = bsdf_sample_adjoint(
             n,
             arriving,
-            lx,
-            ly,
-            lz,
+            local,
             interface,
             none,
-            false,
-            reflected,
-            refracted,
-            conductor,
-            plastic,
-            smooth,
-            ggx,
-            nonlinear,
-            entering,
+            lobes,
+            kinds,
             (vector(d_bar), no_weight),
         );
         let eta = DVec3::new(s_bar.eta.x, 0.0, 0.0);

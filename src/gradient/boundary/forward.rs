@@ -2,9 +2,9 @@
 
 use crate::gradient::path::forward::{ForwardSweep, MovingVertex, dual_lane, dual_number};
 use crate::gradient::scene::forward::dual_vector;
+use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_sample};
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
-use crate::kernels::interface::{Interface, RoughTransmission, interface_bounce};
 use crate::lanes::{Dual, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};
 use crate::scene::Rgb;
@@ -66,15 +66,14 @@ impl ForwardSweep<'_> {
     /// The direction of a lane's lobe at a fixed coordinate.
     fn direction_at(&self, here: &MovingVertex, lane: usize, local: [f64; 3]) -> V3<D> {
         let n = dual_lane(here.n, lane);
-        let [lx, ly, lz] = local.map(D::splat);
+        let [x, y, z] = local.map(D::splat);
+        let local = V3::new(x, y, z);
         let vertices = here.vertices;
-        let bit = |bits: u32| bits >> lane & 1 == 1;
-        let lobes = &vertices.lobes;
         let Some(s) = &here.interface else {
-            return direction_from_local(n, lx, ly, lz);
+            return direction_from_local(n, local);
         };
-        if bit(lobes.diffuse) {
-            return direction_from_local(n, lx, ly, lz);
+        if vertices.lobes.diffuse >> lane & 1 == 1 {
+            return direction_from_local(n, local);
         }
         let interface = Interface {
             colour: dual_lane(s.colour, lane),
@@ -83,24 +82,14 @@ impl ForwardSweep<'_> {
             k: dual_lane(s.k, lane),
             alpha: dual_number(s.alpha, lane),
         };
-        let kinds = &vertices.kinds;
-        let (direction, _) = interface_bounce(
+        let (direction, _) = bsdf_sample(
             n,
             dual_lane(here.direction, lane),
-            lx,
-            ly,
-            lz,
+            local,
             interface,
             RoughTransmission::none(),
-            false,
-            bit(lobes.reflected),
-            bit(lobes.refracted),
-            bit(kinds.conductor),
-            bit(kinds.plastic),
-            bit(kinds.smooth),
-            bit(kinds.ggx),
-            bit(kinds.nonlinear),
-            !bit(kinds.inside),
+            vertices.lobes.masks_of_lane(lane),
+            vertices.kinds.masks_of_lane(lane),
         );
         direction
     }

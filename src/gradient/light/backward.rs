@@ -1,10 +1,10 @@
 //! The adjoint sweep over light: emission that rays found, light samples, the sky.
 
-use crate::adjoint::interface::interface_value_adjoint;
+use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
 use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
-use crate::kernels::interface::interface_value;
+use crate::kernels::bsdf::bsdf_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map as sky;
@@ -15,31 +15,26 @@ use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
     /// π times the BSDF toward `w`, of what this kind of light lights.
-    pub(crate) fn value_toward(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
+    pub(crate) fn bsdf_evaluate(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
             return vertices.colour;
         };
-        let m = vertices.kinds.masks();
         let [lit, lobes] = vertices.kinds.lit_by(light);
-        let value = interface_value(
+        let value = bsdf_evaluate(
             here.n,
             vertices.direction,
             w,
             *interface,
             self.transmission(here, here.n.dot(w.normalize())),
-            m.conductor,
-            m.plastic,
+            vertices.kinds.masks(),
             lane_mask(lobes),
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
         );
         masked(lit, value)
     }
 
     /// Adds to the cotangents of the vertex in the lanes of `bits`, and returns that of `w`.
-    pub(crate) fn value_adjoint(
+    pub(crate) fn bsdf_evaluate_backward(
         &self,
         here: &Solved,
         w: V3<Lane>,
@@ -55,19 +50,14 @@ impl BackwardSweep<'_> {
         };
         let [lit, lobes] = vertices.kinds.lit_by(light);
         let bits = bits & lit;
-        let m = vertices.kinds.masks();
-        let (n, direction, w_bar, s, _) = interface_value_adjoint(
+        let (n, direction, w_bar, s, _) = bsdf_evaluate_adjoint(
             here.n,
             vertices.direction,
             w,
             *interface,
             self.transmission(here, here.n.dot(w.normalize())),
-            m.conductor,
-            m.plastic,
+            vertices.kinds.masks(),
             lane_mask(lobes),
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
             masked(bits, value_bar),
         );
         bars.n = bars.n + masked(bits, n);
@@ -105,9 +95,9 @@ impl BackwardSweep<'_> {
             let throughput = from.vertices.throughput;
             let [q0, q1, q2] = here.corners;
             let [b1, b2] = here.b;
-            let irradiance = triangle_irradiance(from.x, from.n, q0, q1, q2, b1, b2);
+            let irradiance = triangle_irradiance(from.x, from.n, [q0, q1, q2], b1, b2);
             let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - from.x;
-            let value = self.value_toward(from, w, LightKind::Sampled);
+            let value = self.bsdf_evaluate(from, w, LightKind::Sampled);
             let brings = weighted.times(emitted) * irradiance;
             earlier.throughput = earlier.throughput + masked(sampled, brings.times(value));
             emitted_bar = emitted_bar
@@ -116,16 +106,20 @@ impl BackwardSweep<'_> {
                     weighted.times(throughput).times(value) * irradiance,
                 );
             let value_bar = brings.times(throughput);
-            let w_bar =
-                self.value_adjoint(from, w, LightKind::Sampled, sampled, value_bar, earlier);
+            let w_bar = self.bsdf_evaluate_backward(
+                from,
+                w,
+                LightKind::Sampled,
+                sampled,
+                value_bar,
+                earlier,
+            );
             if self.wanted.attached() {
                 let all = weighted.times(emitted).times(throughput).times(value);
-                let (x, n, v0, v1, v2, _, _) = triangle_irradiance_adjoint(
+                let (x, n, [v0, v1, v2], _, _) = triangle_irradiance_adjoint(
                     from.x,
                     from.n,
-                    q0,
-                    q1,
-                    q2,
+                    here.corners,
                     b1,
                     b2,
                     all.x + all.y + all.z,
@@ -241,7 +235,7 @@ impl BackwardSweep<'_> {
             tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
         let [q0, q1, q2] = gather(&ids, |v, _| tracer.geometry.positions[v as usize]);
         let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - here.x;
-        let w_bar = self.value_adjoint(
+        let w_bar = self.bsdf_evaluate_backward(
             here,
             w,
             LightKind::Sampled,
@@ -254,8 +248,8 @@ impl BackwardSweep<'_> {
         }
         let all = path.times(light.value).times(emitted) * light.weight;
         let irradiance_bar = all.x + all.y + all.z;
-        let (x, n, v0, v1, v2, _, _) =
-            triangle_irradiance_adjoint(here.x, here.n, q0, q1, q2, b1, b2, irradiance_bar);
+        let (x, n, [v0, v1, v2], _, _) =
+            triangle_irradiance_adjoint(here.x, here.n, [q0, q1, q2], b1, b2, irradiance_bar);
         let triangle = light.patch.map(|p| self.light_triangle(p));
         let one = Lane::splat(1.0);
         let moved = [
@@ -295,7 +289,7 @@ impl BackwardSweep<'_> {
             return;
         }
         let irradiance = direction_irradiance(here.n, direction);
-        let value = self.value_toward(here, direction, LightKind::Sampled);
+        let value = self.bsdf_evaluate(here, direction, LightKind::Sampled);
         let radiance = self.view.environment_radiance(environment, direction);
         let scaled = masked(bits, radiance_bar * weight);
         let throughput = here.vertices.throughput;
@@ -320,7 +314,7 @@ impl BackwardSweep<'_> {
         }
         let value_bar = path.times(radiance) * irradiance;
         let mut w_bar =
-            self.value_adjoint(here, direction, LightKind::Sampled, bits, value_bar, bars);
+            self.bsdf_evaluate_backward(here, direction, LightKind::Sampled, bits, value_bar, bars);
         let all = path.times(radiance).times(value);
         let irradiance_bar = all.x + all.y + all.z;
         let (n, w) = direction_irradiance_adjoint(here.n, direction, irradiance_bar);

@@ -1,12 +1,12 @@
 //! The adjoint sweep over lights without an extent.
 
-use crate::adjoint::interface::glass_toward_adjoint;
+use crate::adjoint::bsdf::bsdf_evaluate_glass_adjoint;
 use crate::adjoint::light::{
     direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
 };
 use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
-use crate::kernels::interface::glass_toward;
+use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, V3};
 use crate::paths::light::delta::toward;
@@ -61,7 +61,7 @@ impl BackwardSweep<'_> {
             DeltaLightKind::Directional { .. } => direction_irradiance(here.n, w),
         };
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
-        let value = self.value_toward(here, w, LightKind::Delta);
+        let value = self.bsdf_evaluate(here, w, LightKind::Delta);
         let path = radiance_bar.times(here.vertices.throughput);
         self.power(
             light,
@@ -73,7 +73,7 @@ impl BackwardSweep<'_> {
             sums,
         );
         let value_bar = path.times(power) * irradiance;
-        let w_bar = self.value_adjoint(here, w, LightKind::Delta, bits, value_bar, bars);
+        let w_bar = self.bsdf_evaluate_backward(here, w, LightKind::Delta, bits, value_bar, bars);
         let all = path.times(value).times(power);
         let irradiance_bar = all.x + all.y + all.z;
         match light.kind {
@@ -110,20 +110,19 @@ impl BackwardSweep<'_> {
             DeltaLightKind::Point { position } => point_falloff(here.x, splat(position)),
             DeltaLightKind::Directional { .. } => Lane::splat(1.0),
         };
-        let m = here.vertices.kinds.masks();
+        let kinds = here.vertices.kinds.masks();
         let (n, direction, is_glass) = (here.n, here.vertices.direction, lane_mask(bits));
-        let sent = glass_toward(n, direction, w, interface, is_glass, m.ggx, m.entering);
+        let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
         self.power(light, bits, radiance_bar, sent * falloff, bars, here, sums);
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
         let arriving = radiance_bar.times(here.vertices.throughput).times(power);
-        let (n, direction, w_bar, s) = glass_toward_adjoint(
+        let (n, direction, w_bar, s) = bsdf_evaluate_glass_adjoint(
             n,
             direction,
             w,
             interface,
             is_glass,
-            m.ggx,
-            m.entering,
+            kinds,
             masked(bits, arriving * falloff),
         );
         bars.n = bars.n + masked(bits, n);

@@ -2,7 +2,7 @@
 
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, constant};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
-use crate::kernels::interface::glass_toward;
+use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, V3};
 use crate::paths::rays::{lane_mask, masked, splat};
@@ -37,14 +37,19 @@ impl ForwardSweep<'_> {
                 splat(Vec3::from(scene.constant(light.power))),
                 splat(Vec3::from(self.motion.texel(light.power))),
             );
-            let mut brings = self.value_toward(here, w, LightKind::Delta) * irradiance;
+            let mut brings = self.bsdf_evaluate(here, w, LightKind::Delta) * irradiance;
             let glass = here.vertices.kinds.rough_glass();
             if let (Some(interface), true) = (&here.interface, glass & seen != 0) {
-                let m = here.vertices.kinds.masks();
                 let (n, is_glass) = (here.n, lane_mask(glass));
                 let direction = here.direction;
-                let sent =
-                    glass_toward::<D>(n, direction, w, *interface, is_glass, m.ggx, m.entering);
+                let sent = bsdf_evaluate_glass::<D>(
+                    n,
+                    direction,
+                    w,
+                    *interface,
+                    is_glass,
+                    here.vertices.kinds.masks(),
+                );
                 brings = V3::select(is_glass, sent * falloff, brings);
             }
             let arrives = brings.times(power);

@@ -57,7 +57,7 @@ impl ForwardSweep<'_> {
             .sky_tangent(scene, environment, direction, turning);
         let irradiance = direction_irradiance(here.n, w) * constant(weight);
         let arrives = self
-            .value_toward(here, w, LightKind::Sampled)
+            .bsdf_evaluate(here, w, LightKind::Sampled)
             .times(dual_vector(value, brighter))
             * irradiance;
         tangent_of(here.throughput.times(arrives))
@@ -86,10 +86,10 @@ impl ForwardSweep<'_> {
         if let (Some(from), true) = (previous, vertices.sampled != 0) {
             let [q0, q1, q2] = here.corners;
             let b = here.b.map(|b| constant(b.value));
-            let irradiance = triangle_irradiance(from.x, from.n, q0, q1, q2, b[0], b[1]);
+            let irradiance = triangle_irradiance(from.x, from.n, [q0, q1, q2], b[0], b[1]);
             let y = q0 + (q1 - q0) * b[0] + (q2 - q0) * b[1];
             let radiance = dual_vector(value, self.emission_tangent(vertices, [zero; 2]));
-            let arrives = self.value_toward(from, y - from.x, LightKind::Sampled) * irradiance;
+            let arrives = self.bsdf_evaluate(from, y - from.x, LightKind::Sampled) * irradiance;
             let all = from.throughput.times(arrives).times(radiance) * weight;
             sum = V3::select(lane_mask(vertices.sampled), tangent_of(all), sum);
         }
@@ -144,7 +144,7 @@ impl ForwardSweep<'_> {
         let (ids, b) = tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
         let [q0, q1, q2] = self.motion.corners(tracer.geometry, &ids);
         let b = b.map(constant);
-        let irradiance = triangle_irradiance(here.x, here.n, q0, q1, q2, b[0], b[1]);
+        let irradiance = triangle_irradiance(here.x, here.n, [q0, q1, q2], b[0], b[1]);
         let y = q0 + (q1 - q0) * b[0] + (q2 - q0) * b[1];
         let tangent = if self.motion.colours {
             let (s, r) = (light.s.to_array(), light.r.to_array());
@@ -157,7 +157,7 @@ impl ForwardSweep<'_> {
             V3::splat(0.0)
         };
         let radiance = dual_vector(tracer.light_radiance(light), tangent);
-        let value = self.value_toward(here, y - here.x, LightKind::Sampled);
+        let value = self.bsdf_evaluate(here, y - here.x, LightKind::Sampled);
         let arrives = value.times(radiance) * (irradiance * constant(light.weight));
         V3::select(
             lit,

@@ -4,11 +4,11 @@
 //! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
 //! texel or the camera is added to the tile's sums.
 
+use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
-use crate::adjoint::interface::interface_bounce_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
-use crate::kernels::interface::{Interface, RoughTransmission};
+use crate::kernels::bsdf::{Interface, RoughTransmission};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map as sky;
 use crate::paths::rays::{lane_mask, lane_of, masked, splat};
@@ -284,33 +284,23 @@ impl BackwardSweep<'_> {
         bars.throughput = bars.throughput + on.times(vertices.weight);
         bars.x = bars.x + masked(bits, origin);
         let direction = masked(bits, direction);
-        let [lx, ly, lz] = vertices.local;
+        let local = vertices.local;
         let Some(interface) = &here.interface else {
             bars.interface.colour = bars.interface.colour + weight_bar;
             if self.wanted.attached() {
-                let (n, _, _, _) = direction_from_local_adjoint(here.n, lx, ly, lz, direction);
+                let (n, _) = direction_from_local_adjoint(here.n, local, direction);
                 bars.n = bars.n + masked(bits, n);
             }
             return;
         };
-        let m = vertices.kinds.masks();
-        let (n, arriving, _, _, _, s, _) = interface_bounce_adjoint(
+        let (n, arriving, _, s, _) = bsdf_sample_adjoint(
             here.n,
             vertices.direction,
-            lx,
-            ly,
-            lz,
+            local,
             *interface,
-            self.transmission(here, lz),
-            lane_mask(vertices.lobes.diffuse),
-            lane_mask(vertices.lobes.reflected),
-            lane_mask(vertices.lobes.refracted),
-            m.conductor,
-            m.plastic,
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
-            m.entering,
+            self.transmission(here, local.z),
+            vertices.lobes.masks(),
+            vertices.kinds.masks(),
             (direction, weight_bar * vertices.inverse_density),
         );
         bars.n = bars.n + masked(bits, n);

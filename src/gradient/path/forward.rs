@@ -1,11 +1,11 @@
 //! The tangent sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
 
 use crate::gradient::scene::forward::{Motion, MovingCamera, dual_vector, tangent_of};
+use crate::kernels::bsdf::{
+    Interface, RoughTransmission, bsdf_evaluate, bsdf_sample, consistent_normal,
+};
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
-use crate::kernels::interface::{
-    Interface, RoughTransmission, consistent_normal, interface_bounce, interface_value,
-};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
@@ -216,25 +216,20 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// π times the BSDF for light of this kind that arrives along `w`.
-    pub(crate) fn value_toward(&self, here: &MovingVertex, w: V3<D>, light: LightKind) -> V3<D> {
+    pub(crate) fn bsdf_evaluate(&self, here: &MovingVertex, w: V3<D>, light: LightKind) -> V3<D> {
         let Some(interface) = &here.interface else {
             return here.colour;
         };
         let cos_out = value_of(here.n).dot(value_of(w).normalize());
-        let m = here.vertices.kinds.masks();
         let [lit, lobes] = here.vertices.kinds.lit_by(light);
-        let value = interface_value(
+        let value = bsdf_evaluate(
             here.n,
             here.direction,
             w,
             *interface,
             self.transmission(here, cos_out),
-            m.conductor,
-            m.plastic,
+            here.vertices.kinds.masks(),
             lane_mask(lobes),
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
         );
         V3::select(lane_mask(lit), value, V3::splat(0.0))
     }
@@ -242,28 +237,18 @@ impl<'a> ForwardSweep<'a> {
     /// The next ray's direction, and what the path is multiplied with.
     fn bounce(&self, here: &MovingVertex) -> (V3<D>, V3<D>) {
         let vertices = here.vertices;
-        let [lx, ly, lz] = vertices.local.map(constant);
+        let local = dual_vector(vertices.local, V3::splat(0.0));
         let Some(interface) = &here.interface else {
-            return (direction_from_local(here.n, lx, ly, lz), here.colour);
+            return (direction_from_local(here.n, local), here.colour);
         };
-        let m = vertices.kinds.masks();
-        let (direction, weight) = interface_bounce(
+        let (direction, weight) = bsdf_sample(
             here.n,
             here.direction,
-            lx,
-            ly,
-            lz,
+            local,
             *interface,
-            self.transmission(here, vertices.local[2]),
-            lane_mask(vertices.lobes.diffuse),
-            lane_mask(vertices.lobes.reflected),
-            lane_mask(vertices.lobes.refracted),
-            m.conductor,
-            m.plastic,
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
-            m.entering,
+            self.transmission(here, vertices.local.z),
+            vertices.lobes.masks(),
+            vertices.kinds.masks(),
         );
         (direction, weight * constant(vertices.inverse_density))
     }

@@ -1,11 +1,11 @@
 //! Between a vertex of a path and the triangle it lies on, in the adjoint sweep.
 
-use crate::adjoint::interface::consistent_normal_adjoint;
+use crate::adjoint::bsdf::consistent_normal_adjoint;
 use crate::adjoint::normal::{face_normal_adjoint, shading_normal_adjoint};
 use crate::adjoint::triangle::triangle_hit_adjoint;
 use crate::gradient::path::backward::{BackwardSweep, Chain, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
-use crate::kernels::interface::consistent_normal;
+use crate::kernels::bsdf::consistent_normal;
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};

@@ -41,7 +41,7 @@ impl At<'_> {
         let visible = view.unoccluded(&rays, &mut counts.shadow);
         let light = Lane::new(pdf);
         let cos = surface.n.dot(direction);
-        let bounce = view.bounce_pdf_over_cos(vertices, surface, direction) * cos;
+        let bounce = view.bsdf_pdf_over_cos(vertices, surface, direction) * cos;
         let weight = light / (light * light + bounce * bounce);
         SkySample {
             direction,
@@ -49,7 +49,7 @@ impl At<'_> {
             irradiance: direction_irradiance(surface.n, direction),
             value: masked(
                 active,
-                view.value_toward(vertices, surface, direction, LightKind::Sampled),
+                view.bsdf_evaluate(vertices, surface, direction, LightKind::Sampled),
             ),
         }
     }
@@ -88,7 +88,7 @@ impl SceneView<'_> {
         let escaped = vertices.escaped;
         let d = vertices.direction;
         let cos = surface.n.dot(d);
-        let bounce = self.bounce_pdf_over_cos(from, surface, d) * cos;
+        let bounce = self.bsdf_pdf_over_cos(from, surface, d) * cos;
         let light = Lane::new(std::array::from_fn(|l| {
             if escaped >> l & 1 == 1 {
                 sky.pdf(lane_of(d, l))
@@ -99,7 +99,7 @@ impl SceneView<'_> {
         let zero = Lane::splat(0.0);
         let counts = lane_mask(escaped) & bounce.gt(zero);
         let weight = bounce / (bounce * bounce + light * light) * from.survival;
-        let value = self.value_toward(from, surface, d, LightKind::Sampled)
+        let value = self.bsdf_evaluate(from, surface, d, LightKind::Sampled)
             * direction_irradiance(surface.n, d);
         (
             <Lane as Real>::select(counts, weight, zero),

@@ -1,6 +1,6 @@
 //! Lights without an extent: points and directions. They light whatever is not perfectly smooth.
 
-use crate::kernels::interface::glass_toward;
+use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, Real, V3};
 use crate::paths::rays::{RayPacket, SHADOW_FAR, lane_mask, masked, splat};
@@ -56,14 +56,20 @@ impl SceneView<'_> {
                     (direction_irradiance(surface.n, w), Lane::splat(1.0))
                 }
             };
-            let value = self.value_toward(vertices, surface, w, LightKind::Delta);
+            let value = self.bsdf_evaluate(vertices, surface, w, LightKind::Delta);
             let mut brings = value * irradiance;
             if let (Some(interface), true) = (&surface.interface, glass & seen != 0) {
-                let m = vertices.kinds.masks();
                 let is_glass = lane_mask(glass);
                 let direction = vertices.direction;
                 let n = surface.n;
-                let sent = glass_toward(n, direction, w, *interface, is_glass, m.ggx, m.entering);
+                let sent = bsdf_evaluate_glass(
+                    n,
+                    direction,
+                    w,
+                    *interface,
+                    is_glass,
+                    vertices.kinds.masks(),
+                );
                 brings = V3::select(is_glass, sent * falloff, brings);
             }
             let power = splat(Vec3::from(self.scene.constant(light.power)));

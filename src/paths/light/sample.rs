@@ -40,12 +40,12 @@ impl SceneView<'_> {
         let pdf_area = self.per_lane(&vertices.triangle, |mesh, _| {
             [self.lights.of_mesh[mesh].map_or(0.0, |l| self.lights.pdf_area[l as usize]); 3]
         });
-        let over_cos = self.bounce_pdf_over_cos(from, surface, d);
+        let over_cos = self.bsdf_pdf_over_cos(from, surface, d);
         // Both densities over solid angle, times cos_light: against p_A·r²/cos_light.
         let bounce = cos * cos_light * over_cos;
         let light = pdf_area.x * t * t;
         let weight = bounce * bounce / (bounce * bounce + light * light);
-        let irradiance = triangle_irradiance(surface.x, surface.n, v[0], v[1], v[2], b1, b2);
+        let irradiance = triangle_irradiance(surface.x, surface.n, v, b1, b2);
         let scale = Lane::splat(std::f32::consts::FRAC_1_PI) / (over_cos * irradiance);
         let zero = Lane::splat(0.0);
         let emits = lane_mask(vertices.hit)
@@ -54,7 +54,7 @@ impl SceneView<'_> {
             & over_cos.gt(zero)
             & irradiance.gt(zero);
         let weight = <Lane as Real>::select(emits, weight * scale * from.survival, zero);
-        let value = self.value_toward(from, surface, d, LightKind::Sampled) * irradiance;
+        let value = self.bsdf_evaluate(from, surface, d, LightKind::Sampled) * irradiance;
         (weight, masked(emits.to_bits(), value))
     }
 }
@@ -103,7 +103,7 @@ impl At<'_> {
         let w = y - surface.x;
         if with_bounce {
             // In (s, r) the bounce's density is p/cos·π times the irradiance kernel; p/cos is 1/π for diffuse light.
-            let over_cos = view.bounce_pdf_over_cos(vertices, surface, w.normalize());
+            let over_cos = view.bsdf_pdf_over_cos(vertices, surface, w.normalize());
             let bounce = irradiance * over_cos * Lane::splat(std::f32::consts::PI);
             let light = Lane::new(pdf);
             weight *= light * light / (light * light + bounce * bounce);
@@ -116,7 +116,7 @@ impl At<'_> {
             irradiance: <Lane as Real>::select(lit, irradiance, zero),
             value: masked(
                 lit.to_bits(),
-                view.value_toward(vertices, surface, w, LightKind::Sampled),
+                view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled),
             ),
         };
         (light, LightDraw { patch, square })
@@ -134,7 +134,7 @@ impl SceneView<'_> {
     ) -> Lane {
         let (q, b) = self.patch_corners(patch, s, r);
         let [q0, q1, q2] = gather(&q, |v, _| self.geometry.positions[v as usize]);
-        triangle_irradiance(surface.x, surface.n, q0, q1, q2, b[0], b[1])
+        triangle_irradiance(surface.x, surface.n, [q0, q1, q2], b[0], b[1])
     }
 
     /// The light triangle's vertices and barycentrics in each lane.

@@ -1,8 +1,9 @@
 //! Where paths go on: drawing a lobe and a direction.
 
+use crate::discontinuity::boundary::{dvec3, vector};
+use crate::kernels::bsdf::bsdf_sample;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::fresnel::fresnel_dielectric;
-use crate::kernels::interface::interface_bounce;
 use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::Numbers;
@@ -26,7 +27,7 @@ const LONG_SURVIVAL: f32 = 0.9;
 impl SceneView<'_> {
     /// Draws the next direction and decides who goes on and who looks for silhouettes. Only a part `rim` of the directions
     /// that a diffuse lobe may draw is wanted, those nearest to the horizon (1: all).
-    pub fn sample_lobe(
+    pub fn bsdf_sample(
         &self,
         vertices: &mut Vertices,
         surface: &Surface,
@@ -39,8 +40,7 @@ impl SceneView<'_> {
         vertices.local = cosine_direction(u, v);
         let direction = if surface.interface.is_none() {
             vertices.weight = vertices.colour;
-            let [lx, ly, lz] = vertices.local;
-            direction_from_local(surface.n, lx, ly, lz)
+            direction_from_local(surface.n, vertices.local)
         } else {
             let (choice, _) = numbers.pair(3);
             self.draw_lobes(vertices, surface, [u, v], choice);
@@ -104,30 +104,15 @@ impl SceneView<'_> {
         let Some(interface) = &surface.interface else {
             return surface.n;
         };
-        let [lx, ly, lz] = vertices.local;
-        let m = vertices.kinds.masks();
-        let Lobes {
-            diffuse,
-            reflected,
-            refracted,
-        } = vertices.lobes;
-        let (next, weight) = interface_bounce(
+        let local = vertices.local;
+        let (next, weight) = bsdf_sample(
             surface.n,
             vertices.direction,
-            lx,
-            ly,
-            lz,
+            local,
             *interface,
-            self.transmission(vertices, surface, lz),
-            lane_mask(diffuse),
-            lane_mask(reflected),
-            lane_mask(refracted),
-            m.conductor,
-            m.plastic,
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
-            m.entering,
+            self.transmission(vertices, surface, local.z),
+            vertices.lobes.masks(),
+            vertices.kinds.masks(),
         );
         vertices.weight = weight * vertices.inverse_density;
         next
@@ -142,7 +127,8 @@ impl SceneView<'_> {
         choice: Lane,
     ) {
         let [u, v, choice] = [u, v, choice].map(Lane::to_array);
-        let [mut lx, mut ly, mut lz] = vertices.local.map(Lane::to_array);
+        let V3 { x, y, z } = vertices.local;
+        let [mut lx, mut ly, mut lz] = [x, y, z].map(Lane::to_array);
         let mut density = [1.0f32; LANES];
         let mut chances = [1.0f32; LANES];
         let mut lobes = Lobes::default();
@@ -191,7 +177,7 @@ impl SceneView<'_> {
             lobes.reflected |= bit;
         }
         vertices.lobes = lobes;
-        vertices.local = [lx, ly, lz].map(Lane::new);
+        vertices.local = V3::new(Lane::new(lx), Lane::new(ly), Lane::new(lz));
         let one = Lane::splat(1.0);
         vertices.lobe_chance = Lane::new(chances);
         let density = Lane::new(density) * vertices.lobe_chance;
@@ -201,7 +187,7 @@ impl SceneView<'_> {
 
     /// Density over solid angle of the bounce's direction `d` (unit) over its cosine to the normal, of all lobes that light
     /// samples light too.
-    pub fn bounce_pdf_over_cos(&self, vertices: &Vertices, surface: &Surface, d: V3<Lane>) -> Lane {
+    pub fn bsdf_pdf_over_cos(&self, vertices: &Vertices, surface: &Surface, d: V3<Lane>) -> Lane {
         let diffuse = std::f32::consts::FRAC_1_PI;
         if surface.interface.is_none() {
             return Lane::splat(std::f32::consts::FRAC_1_PI);
@@ -288,16 +274,16 @@ impl View {
 
 /// The axes of a lane's shading frame.
 pub fn frame_of_lane(surface: &Surface, lane: usize) -> [DVec3; 3] {
-    let n = crate::discontinuity::boundary::vector(lane_of(surface.n, lane).as_dvec3());
+    let n = vector(lane_of(surface.n, lane).as_dvec3());
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|[x, y, z]| crate::discontinuity::boundary::dvec3(direction_from_local(n, x, y, z)))
+        .map(|[x, y, z]| dvec3(direction_from_local(n, V3 { x, y, z })))
 }
 
 /// A cosine-distributed direction about +z from two uniform numbers.
-pub fn cosine_direction(u: Lane, v: Lane) -> [Lane; 3] {
+pub fn cosine_direction(u: Lane, v: Lane) -> V3<Lane> {
     let radius = u.sqrt();
     let angle = v * Lane::splat(std::f32::consts::TAU);
     let (sin, cos) = angle.sin_cos();
     let up = (Lane::splat(1.0) - u).max(Lane::splat(0.0)).sqrt();
-    [radius * cos, radius * sin, up]
+    V3::new(radius * cos, radius * sin, up)
 }

@@ -1,7 +1,7 @@
 //! What each lane's surface is made of.
 
 use crate::discontinuity::boundary::vector;
-use crate::kernels::interface::{Interface, RoughTransmission};
+use crate::kernels::bsdf::{Interface, KindMasks, RoughTransmission};
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::rays::{from_lanes, lane_mask, lane_of};
 use crate::paths::surface::rough_transmission::TransmissionTable;
@@ -414,26 +414,25 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     }
 }
 
-/// Masks of a packet's kinds, as the kernels take them.
-pub struct KindMasks<M> {
-    pub conductor: M,
-    pub plastic: M,
-    pub smooth: M,
-    pub ggx: M,
-    pub nonlinear: M,
-    pub entering: M,
-}
-
 impl Kinds {
-    /// Over packets.
-    pub fn masks(&self) -> KindMasks<<Lane as Real>::Mask> {
+    /// Of packets, as the kernels take them.
+    pub fn masks<F: Real<Mask = <Lane as Real>::Mask>>(&self) -> KindMasks<F> {
+        self.map(lane_mask)
+    }
+
+    /// Of one lane.
+    pub fn masks_of_lane<F: Real<Mask = bool>>(&self, lane: usize) -> KindMasks<F> {
+        self.map(|bits| bits >> lane & 1 == 1)
+    }
+
+    fn map<F: Real>(&self, mask: impl Fn(u32) -> F::Mask) -> KindMasks<F> {
         KindMasks {
-            conductor: lane_mask(self.conductor),
-            plastic: lane_mask(self.plastic),
-            smooth: lane_mask(self.smooth),
-            ggx: lane_mask(self.ggx),
-            nonlinear: lane_mask(self.nonlinear),
-            entering: lane_mask(!self.inside),
+            is_conductor: mask(self.conductor),
+            is_plastic: mask(self.plastic),
+            is_smooth: mask(self.smooth),
+            is_ggx: mask(self.ggx),
+            is_nonlinear: mask(self.nonlinear),
+            is_entering: mask(!self.inside),
         }
     }
 }

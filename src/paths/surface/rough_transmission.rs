@@ -5,8 +5,8 @@
 //! cosines of Mitsuba's `roughplastic`; so is what comes back from inside, ∫F·G₁(o) with o reflected. Differences of
 //! tables give the slopes by roughness and by the index of refraction.
 
+use crate::kernels::bsdf::RoughTransmission;
 use crate::kernels::fresnel::fresnel_dielectric;
-use crate::kernels::interface::RoughTransmission;
 use crate::kernels::microfacet::unhidden_over_cos;
 use crate::lanes::Real;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Where rays end: positions, normals, and what is there.
 
-use crate::kernels::interface::{Interface, RoughTransmission, consistent_normal, interface_value};
+use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_evaluate, consistent_normal};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
@@ -140,7 +140,7 @@ impl SceneView<'_> {
     }
 
     /// π times the BSDF for light of this kind that arrives along `w`.
-    pub fn value_toward(
+    pub fn bsdf_evaluate(
         &self,
         vertices: &Vertices,
         surface: &Surface,
@@ -151,20 +151,15 @@ impl SceneView<'_> {
             return vertices.colour;
         };
         let cos_out = surface.n.dot(w.normalize());
-        let m = vertices.kinds.masks();
         let [lit, lobes] = vertices.kinds.lit_by(light);
-        let value = interface_value(
+        let value = bsdf_evaluate(
             surface.n,
             vertices.direction,
             w,
             *interface,
             self.transmission(vertices, surface, cos_out),
-            m.conductor,
-            m.plastic,
+            vertices.kinds.masks(),
             lane_mask(lobes),
-            m.smooth,
-            m.ggx,
-            m.nonlinear,
         );
         masked(lit, value)
     }

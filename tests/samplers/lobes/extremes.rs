@@ -86,10 +86,10 @@ fn values_and_densities_toward_lights_are_finite() {
                     // The mirror image is where the lobe is highest.
                     for o in [o, dvec3(-o.x, -o.y, o.z), DVec3::Z] {
                         let d = swatch.packet(&[o]);
-                        let density = view.bounce_pdf_over_cos(&vertices, &surface, d);
+                        let density = view.bsdf_pdf_over_cos(&vertices, &surface, d);
                         let place = format!("{what} of {alpha} ({distribution:?}) toward {o}");
                         for light in [LightKind::Sampled, LightKind::Delta] {
-                            let value = view.value_toward(&vertices, &surface, d, light);
+                            let value = view.bsdf_evaluate(&vertices, &surface, d, light);
                             check_lanes(&place, value, density);
                         }
                     }

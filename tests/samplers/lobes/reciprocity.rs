@@ -4,10 +4,9 @@ use super::formulas::*;
 use common::optics::*;
 use glam::{DVec3, dvec3};
 use std::f64::consts::{FRAC_1_PI, PI};
+use warpath::kernels::bsdf::{Interface, KindMasks, LobeMasks};
+use warpath::kernels::bsdf::{RoughTransmission, bsdf_evaluate, bsdf_sample};
 use warpath::kernels::frame::direction_from_local;
-use warpath::kernels::interface::{
-    Interface, RoughTransmission, interface_bounce, interface_value,
-};
 use warpath::lanes::V3;
 use warpath::scene::Distribution::{self, Beckmann, Ggx};
 
@@ -65,6 +64,22 @@ const THROUGH: RoughTransmission<f64> = RoughTransmission {
     by_eta_inner: -0.3,
 };
 
+fn masks(kind: Kind, distribution: Distribution, is_entering: bool) -> KindMasks<f64> {
+    KindMasks {
+        is_conductor: kind == Kind::Metal,
+        is_plastic: kind == Kind::Plastic,
+        is_smooth: false,
+        is_ggx: distribution == Ggx,
+        is_nonlinear: true,
+        is_entering,
+    }
+}
+
+/// A direction in the kernels' frame of a normal.
+fn world(n: DVec3, local: DVec3) -> DVec3 {
+    dvec3_of(direction_from_local(vector(n), vector(local)))
+}
+
 /// π times the BSDF, for light from `o` seen from `i`.
 fn value(
     kind: Kind,
@@ -73,19 +88,14 @@ fn value(
     n: DVec3,
     [i, o]: [DVec3; 2],
 ) -> DVec3 {
-    let is = |other: Kind| kind == other;
-    dvec3_of(interface_value(
+    dvec3_of(bsdf_evaluate(
         vector(n),
         // Directions need not be unit.
         vector(i * -1.7),
         vector(o * 0.4),
         s,
         THROUGH,
-        is(Kind::Metal),
-        is(Kind::Plastic),
-        true,
-        false,
-        distribution == Ggx,
+        masks(kind, distribution, true),
         true,
     ))
 }
@@ -107,25 +117,19 @@ fn bounce(
     is_entering: bool,
 ) -> (DVec3, DVec3) {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let [lx, ly, lz] =
-        axes.map(|[x, y, z]| dvec3_of(direction_from_local(vector(n), x, y, z)).dot(m));
-    let (next, weight) = interface_bounce(
+    let local = axes.map(|axis| world(n, axis.into()).dot(m));
+    let (next, weight) = bsdf_sample(
         vector(n),
         vector(-i),
-        lx,
-        ly,
-        lz,
+        vector(local.into()),
         s,
         THROUGH,
-        lobe == Lobe::Diffuse,
-        lobe == Lobe::Reflected,
-        lobe == Lobe::Refracted,
-        kind == Kind::Metal,
-        kind == Kind::Plastic,
-        false,
-        distribution == Ggx,
-        true,
-        is_entering,
+        LobeMasks {
+            is_diffuse: lobe == Lobe::Diffuse,
+            is_reflected: lobe == Lobe::Reflected,
+            is_refracted: lobe == Lobe::Refracted,
+        },
+        masks(kind, distribution, is_entering),
     );
     (dvec3_of(next), dvec3_of(weight))
 }
@@ -241,7 +245,7 @@ fn refraction_is_reciprocal() {
 
 /// The two directions, given about z, about `n`.
 fn turned(n: DVec3, of: [DVec3; 2]) -> (DVec3, DVec3) {
-    let [i, m] = of.map(|d| dvec3_of(direction_from_local(vector(n), d.x, d.y, d.z)));
+    let [i, m] = of.map(|d| world(n, d));
     (i, m)
 }
 

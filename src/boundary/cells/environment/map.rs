@@ -161,7 +161,7 @@ impl<'a> MapLines<'a> {
         let per_side = per_side * line.line.inverse_density;
         let cos = lane_of(surface.n, lane).as_dvec3().dot(d).max(0.0);
         let w = from_lanes(&[d.as_vec3(); LANES]);
-        let value = view.value_toward(vertices, surface, w, LightKind::Sampled);
+        let value = view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled);
         let radiance = view.environment_radiance(self.environment, w);
         let colour =
             lane_of(vertices.throughput, lane) * lane_of(value, lane) * lane_of(radiance, lane);

@@ -11,8 +11,8 @@
 //! **Diffuse crate::boundary::inclusion::Runs;
 use crate::boundary::inclusion::Runs;
 use crate::discontinuity::boundary::{dvec3, vector};
+use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
-use crate::kernels::interface::{Interface, RoughTransmission, interface_bounce};
 use crate::lanes::Lane;
 use crate::paths::at::At;
 use crate::paths::moving::Sector;
@@ -137,30 +137,25 @@ impl<'a> LaneSurface<'a> {
 
     /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
     fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
-        let bit = |bits: u32| bits >> self.lane & 1 == 1;
+        let local = vector(local);
         let Some(interface) = self.interface else {
             let n = vector(self.n);
-            let next = dvec3(direction_from_local(n, local.x, local.y, local.z));
+            let next = dvec3(direction_from_local(n, local));
             return (next, lane_of(self.at.vertices.colour, self.lane).as_dvec3());
         };
-        let kinds = &self.at.vertices.kinds;
-        let (next, weight) = interface_bounce(
+        let lobes = LobeMasks {
+            is_diffuse: self.lobe == Lobe::Diffuse,
+            is_reflected: self.lobe == Lobe::Reflected,
+            is_refracted: self.lobe == Lobe::Refracted,
+        };
+        let (next, weight) = bsdf_sample(
             vector(self.n),
             vector(self.direction),
-            local.x,
-            local.y,
-            local.z,
+            local,
             interface,
             self.transmission.unwrap_or(RoughTransmission::none()),
-            self.lobe == Lobe::Diffuse,
-            self.lobe == Lobe::Reflected,
-            self.lobe == Lobe::Refracted,
-            bit(kinds.conductor),
-            bit(kinds.plastic),
-            bit(kinds.smooth),
-            bit(kinds.ggx),
-            bit(kinds.nonlinear),
-            !bit(kinds.inside),
+            lobes,
+            self.at.vertices.kinds.masks_of_lane(self.lane),
         );
         (dvec3(next), dvec3(weight))
     }

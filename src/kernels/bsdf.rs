@@ -42,6 +42,26 @@ pub struct RoughTransmission<F> {
     pub by_eta_inner: F,
 }
 
+/// Which lanes are of which kind.
+#[derive(Clone, Copy, Debug)]
+pub struct KindMasks<F: Real> {
+    pub is_conductor: F::Mask,
+    pub is_plastic: F::Mask,
+    pub is_smooth: F::Mask,
+    pub is_ggx: F::Mask,
+    pub is_nonlinear: F::Mask,
+    /// The ray comes from outside.
+    pub is_entering: F::Mask,
+}
+
+/// The lobe in which each lane's path goes on; in none it goes straight on.
+#[derive(Clone, Copy, Debug)]
+pub struct LobeMasks<F: Real> {
+    pub is_diffuse: F::Mask,
+    pub is_reflected: F::Mask,
+    pub is_refracted: F::Mask,
+}
+
 /// The shading normal, mirrored at the plane across the arriving ray if it looks away from that: continuous, and never
 /// below the horizon.
 ///
@@ -53,29 +73,34 @@ pub fn consistent_normal<F: Real>(n: V3<F>, direction: V3<F>) -> V3<F> {
 
 /// What reaches a diffuse surface below a dielectric and leaves it again, over π times the irradiance.
 ///
-/// inputs: cos_in 0.4..0.9, cos_out 0.4..0.9, colour 0.1..0.9, eta 1.1..1.8, alpha 0.1..0.9, t 0.1..0.6
-#[allow(clippy::too_many_arguments)] // An interface is that many.
+/// `eta` stands for the index in `s`, which metals have no use for.
+///
+/// inputs: cos_in 0.4..0.9, cos_out 0.4..0.9, s 0.1..0.9, eta 1.1..1.8, t 0.1..0.6
 pub fn below_dielectric<F: Real>(
     cos_in: F,
     cos_out: F,
-    colour: V3<F>,
+    s: Interface<F>,
     eta: F,
-    alpha: F,
     t: RoughTransmission<F>,
-    is_smooth: F::Mask,
-    is_nonlinear: F::Mask,
+    kinds: KindMasks<F>,
 ) -> V3<F> {
+    let alpha = s.alpha;
+    let colour = s.colour;
     let one = F::splat(1.0);
     let rough_in = t.at_in + t.by_cos_in * cos_in + t.by_alpha_in * alpha + t.by_eta_in * eta;
     let rough_out = t.at_out + t.by_cos_out * cos_out + t.by_alpha_out * alpha + t.by_eta_out * eta;
     let smooth_in = one - fresnel_dielectric(cos_in, eta);
     let smooth_out = one - fresnel_dielectric(cos_out, eta);
-    let through = F::select(is_smooth, smooth_in * smooth_out, rough_in * rough_out);
+    let through = F::select(
+        kinds.is_smooth,
+        smooth_in * smooth_out,
+        rough_in * rough_out,
+    );
     let rough_inner = t.inner + t.by_alpha_inner * alpha + t.by_eta_inner * eta;
-    let inner = F::select(is_smooth, inner_reflectance(eta), rough_inner);
+    let inner = F::select(kinds.is_smooth, inner_reflectance(eta), rough_inner);
     let scale = through / (eta * eta);
     let white = V3::splat(1.0);
-    let again = V3::select(is_nonlinear, colour, white) * inner;
+    let again = V3::select(kinds.is_nonlinear, colour, white) * inner;
     let left = V3::new(
         scale / (one - again.x),
         scale / (one - again.y),
@@ -89,19 +114,14 @@ pub fn below_dielectric<F: Real>(
 /// where `has_lobe` does not hold. Zero below the horizon of the unit normal `n`.
 ///
 /// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9, t 0.1..0.6
-#[allow(clippy::too_many_arguments)] // An interface is that many.
-pub fn interface_value<F: Real>(
+pub fn bsdf_evaluate<F: Real>(
     n: V3<F>,
     direction: V3<F>,
     w: V3<F>,
     s: Interface<F>,
     t: RoughTransmission<F>,
-    is_conductor: F::Mask,
-    is_plastic: F::Mask,
+    kinds: KindMasks<F>,
     has_lobe: F::Mask,
-    is_smooth: F::Mask,
-    is_ggx: F::Mask,
-    is_nonlinear: F::Mask,
 ) -> V3<F> {
     let zero = F::splat(0.0);
     let tiny = F::splat(1e-6);
@@ -116,10 +136,10 @@ pub fn interface_value<F: Real>(
     let across = n.cross(h);
     let sin2 = across.dot(across);
     let cos2 = F::splat(1.0) - sin2;
-    let alpha = F::select(is_smooth, F::splat(0.5), s.alpha);
-    let density = facet_density(cos2, sin2, alpha, is_ggx);
-    let hidden =
-        unhidden_over_cos(cos_in, alpha, is_ggx) * unhidden_over_cos(cos_out, alpha, is_ggx);
+    let alpha = F::select(kinds.is_smooth, F::splat(0.5), s.alpha);
+    let density = facet_density(cos2, sin2, alpha, kinds.is_ggx);
+    let hidden = unhidden_over_cos(cos_in, alpha, kinds.is_ggx)
+        * unhidden_over_cos(cos_out, alpha, kinds.is_ggx);
     let shape = density * hidden * F::splat(std::f64::consts::PI * 0.25);
     let metal = V3::new(
         fresnel_conductor(cos_half, s.eta.x, s.k.x),
@@ -127,22 +147,14 @@ pub fn interface_value<F: Real>(
         fresnel_conductor(cos_half, s.eta.z, s.k.z),
     );
     // Metals have no use for it, and where it is zero what is not selected would not be finite.
-    let dense = F::select(is_conductor, F::splat(1.5), s.eta.x);
+    let dense = F::select(kinds.is_conductor, F::splat(1.5), s.eta.x);
     let glass = s.second * fresnel_dielectric(cos_half, dense);
-    let specular = V3::select(is_conductor, s.colour.times(metal), glass) * shape;
-    let below = below_dielectric(
-        cos_in,
-        cos_out,
-        s.colour,
-        dense,
-        s.alpha,
-        t,
-        is_smooth,
-        is_nonlinear,
-    );
-    let diffuse = V3::select(is_plastic, below, s.colour);
+    let specular = V3::select(kinds.is_conductor, s.colour.times(metal), glass) * shape;
+    let below = below_dielectric(cos_in, cos_out, s, dense, t, kinds);
+    let diffuse = V3::select(kinds.is_plastic, below, s.colour);
     let none = V3::splat(0.0);
-    let lobes = V3::select(has_lobe, specular, none) + V3::select(is_conductor, none, diffuse);
+    let lobes =
+        V3::select(has_lobe, specular, none) + V3::select(kinds.is_conductor, none, diffuse);
     V3::select(is_above, lobes, none)
 }
 
@@ -150,19 +162,17 @@ pub fn interface_value<F: Real>(
 /// (across it) that comes from `w` (not a unit vector), on either side of the unit normal `n`: the BSDF times the cosine.
 ///
 /// Walter et al. 2007, eqs. 20 and 21, with half vectors by eqs. 13 and 16. The length of the latter is the
-/// denominator of eq. 21. Radiance that crosses into a denser medium is squeezed as in [`interface_bounce`], so that the
+/// denominator of eq. 21. Radiance that crosses into a denser medium is squeezed as in [`bsdf_sample`], so that the
 /// squared ratio of indices in eq. 21 is gone.
 ///
 /// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9
-#[allow(clippy::too_many_arguments)] // An interface is that many.
-pub fn glass_toward<F: Real>(
+pub fn bsdf_evaluate_glass<F: Real>(
     n: V3<F>,
     direction: V3<F>,
     w: V3<F>,
     s: Interface<F>,
     is_glass: F::Mask,
-    is_ggx: F::Mask,
-    is_entering: F::Mask,
+    kinds: KindMasks<F>,
 ) -> V3<F> {
     let zero = F::splat(0.0);
     let one = F::splat(1.0);
@@ -174,7 +184,7 @@ pub fn glass_toward<F: Real>(
     let is_through = cos_w.lt(zero);
     let cos_out = cos_w.abs().max(tiny);
     let dense = F::select(is_glass, s.eta.x, F::splat(1.5));
-    let ratio = F::select(is_entering, dense, one / dense);
+    let ratio = F::select(kinds.is_entering, dense, one / dense);
     let bent = F::select(is_through, ratio, one);
     let sum = wi + wo * bent;
     let length2 = sum.dot(sum);
@@ -189,9 +199,9 @@ pub fn glass_toward<F: Real>(
     let cos_facet = F::select(meets, cos_half, one);
     let across = n.cross(h);
     let sin2 = across.dot(across);
-    let density = facet_density(one - sin2, sin2, s.alpha, is_ggx);
-    let hidden = unhidden_over_cos(cos_in, s.alpha, is_ggx)
-        * (cos_out * unhidden_over_cos(cos_out, s.alpha, is_ggx));
+    let density = facet_density(one - sin2, sin2, s.alpha, kinds.is_ggx);
+    let hidden = unhidden_over_cos(cos_in, s.alpha, kinds.is_ggx)
+        * (cos_out * unhidden_over_cos(cos_out, s.alpha, kinds.is_ggx));
     let shape = density * hidden;
     let mirror = fresnel_dielectric(cos_facet, ratio);
     let reflection = s.colour * (shape * mirror * F::splat(0.25));
@@ -203,84 +213,70 @@ pub fn glass_toward<F: Real>(
 /// The next direction (unit) and what the path is multiplied with, per unit of the coordinate's measure: solid angle
 /// times cos/π for diffuse light, solid angle of h for rough lobes, one direction for smooth ones.
 ///
-/// (`lx`, `ly`, `lz`) is the coordinate in the frame of the unit normal `n`; `direction` is the ray that arrived. Lanes that
+/// `local` is the coordinate in the frame of the unit normal `n`; `direction` is the ray that arrived. Lanes that
 /// neither scatter diffusely, nor reflect, nor refract go straight on. Radiance that crosses into a denser medium
 /// is squeezed: transmission is divided by the squared ratio of the indices.
 ///
-/// inputs: n 0.5..0.6, direction -0.9..-0.5, lx -0.2..0.2, ly -0.2..0.2, lz 0.9..0.95, s 0.3..0.9, t 0.1..0.6
-#[allow(clippy::too_many_arguments)] // An interface is that many.
-pub fn interface_bounce<F: Real>(
+/// inputs: n 0.5..0.6, direction -0.9..-0.5, local 0.3..0.6, s 0.3..0.9, t 0.1..0.6
+pub fn bsdf_sample<F: Real>(
     n: V3<F>,
     direction: V3<F>,
-    lx: F,
-    ly: F,
-    lz: F,
+    local: V3<F>,
     s: Interface<F>,
     t: RoughTransmission<F>,
-    is_diffuse: F::Mask,
-    is_reflected: F::Mask,
-    is_refracted: F::Mask,
-    is_conductor: F::Mask,
-    is_plastic: F::Mask,
-    is_smooth: F::Mask,
-    is_ggx: F::Mask,
-    is_nonlinear: F::Mask,
-    is_entering: F::Mask,
+    lobes: LobeMasks<F>,
+    kinds: KindMasks<F>,
 ) -> (V3<F>, V3<F>) {
     let zero = F::splat(0.0);
     let one = F::splat(1.0);
     let tiny = F::splat(1e-6);
     let wi = -direction.normalize();
-    let m = direction_from_local(n, lx, ly, lz);
+    let m = direction_from_local(n, local);
     let cos_in = n.dot(wi).max(tiny);
     let cos_half = wi.dot(m).max(tiny);
-    let dense = F::select(is_conductor, F::splat(1.5), s.eta.x);
-    let ratio = F::select(is_entering, dense, one / dense);
+    let dense = F::select(kinds.is_conductor, F::splat(1.5), s.eta.x);
+    let ratio = F::select(kinds.is_entering, dense, one / dense);
     let reflected = m * (cos_half + cos_half) - wi;
     let beyond2 = one - (one - cos_half * cos_half) / (ratio * ratio);
-    let passes = beyond2.gt(tiny) & is_refracted;
+    let passes = beyond2.gt(tiny) & lobes.is_refracted;
     let beyond = F::select(passes, beyond2, one).sqrt();
     let refracted = m * (cos_half / ratio - beyond) - wi * (one / ratio);
     let bent = V3::select(
-        is_reflected,
+        lobes.is_reflected,
         reflected,
-        V3::select(is_refracted, refracted, -wi),
+        V3::select(lobes.is_refracted, refracted, -wi),
     );
-    let next = V3::select(is_diffuse, m, bent);
+    let next = V3::select(lobes.is_diffuse, m, bent);
 
     let cos_next = n.dot(next);
-    let cos_out = F::select(is_refracted, -cos_next, cos_next).max(zero);
-    let alpha = F::select(is_smooth, F::splat(0.5), s.alpha);
-    let density = facet_density(lz * lz, lx * lx + ly * ly, alpha, is_ggx);
-    let hidden = unhidden_over_cos(cos_in, alpha, is_ggx)
-        * (cos_out * unhidden_over_cos(cos_out, alpha, is_ggx));
-    let shape = F::select(is_smooth, one, density * hidden * cos_half);
+    let cos_out = F::select(lobes.is_refracted, -cos_next, cos_next).max(zero);
+    let alpha = F::select(kinds.is_smooth, F::splat(0.5), s.alpha);
+    let density = facet_density(
+        local.z * local.z,
+        local.x * local.x + local.y * local.y,
+        alpha,
+        kinds.is_ggx,
+    );
+    let hidden = unhidden_over_cos(cos_in, alpha, kinds.is_ggx)
+        * (cos_out * unhidden_over_cos(cos_out, alpha, kinds.is_ggx));
+    let shape = F::select(kinds.is_smooth, one, density * hidden * cos_half);
     let metal = V3::new(
         fresnel_conductor(cos_half, s.eta.x, s.k.x),
         fresnel_conductor(cos_half, s.eta.y, s.k.y),
         fresnel_conductor(cos_half, s.eta.z, s.k.z),
     );
     let glass = fresnel_dielectric(cos_half, ratio);
-    let mirror = V3::select(is_plastic, s.second, s.colour) * glass;
-    let reflection = V3::select(is_conductor, s.colour.times(metal), mirror) * shape;
+    let mirror = V3::select(kinds.is_plastic, s.second, s.colour) * glass;
+    let reflection = V3::select(kinds.is_conductor, s.colour.times(metal), mirror) * shape;
     let squeezed = shape * (one - glass) / (ratio * ratio);
     let refraction = s.second * F::select(passes, squeezed, zero);
-    let below = below_dielectric(
-        cos_in,
-        cos_out.max(tiny),
-        s.colour,
-        dense,
-        s.alpha,
-        t,
-        is_smooth,
-        is_nonlinear,
-    );
-    let diffuse = V3::select(is_plastic, below, s.colour);
+    let below = below_dielectric(cos_in, cos_out.max(tiny), s, dense, t, kinds);
+    let diffuse = V3::select(kinds.is_plastic, below, s.colour);
     let white = V3::splat(1.0);
     let specular = V3::select(
-        is_reflected,
+        lobes.is_reflected,
         reflection,
-        V3::select(is_refracted, refraction, white),
+        V3::select(lobes.is_refracted, refraction, white),
     );
-    (next, V3::select(is_diffuse, diffuse, specular))
+    (next, V3::select(lobes.is_diffuse, diffuse, specular))
 }
