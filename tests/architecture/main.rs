@@ -2,7 +2,9 @@
 //! what is cited.
 
 mod foreign;
+mod lengths;
 mod names;
 mod order;
+mod reasons;
 mod references;
 mod sources;

@@ -39,6 +39,18 @@ fn read(path: &Path) -> Source {
     }
 }
 
+/// Everything that is written by hand in Rust.
+pub fn all() -> Vec<Source> {
+    let folders = ["src", "tests", "build", "examples", "benches", "fuzz"];
+    let mut paths = vec![root().join("build.rs")];
+    for folder in folders {
+        paths.extend(rust_files(&root().join(folder)));
+    }
+    // What fuzzing leaves there is not ours.
+    paths.retain(|path| !path.starts_with(root().join("fuzz/target")));
+    paths.iter().map(|path| read(path)).collect()
+}
+
 /// The library and the program.
 pub fn of_the_crate() -> Vec<Source> {
     let files = rust_files(&root().join("src"));
