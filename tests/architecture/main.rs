@@ -1,6 +1,7 @@
 //! What the sources are held to: who may use whom, where `unsafe` stays, how long things are,
 //! what is cited.
 
+mod circles;
 mod foreign;
 mod lengths;
 mod names;
