@@ -11,6 +11,7 @@ use crate::boundary::inclusion::Runs;
 use crate::boundary::occlusion::{OccluderEnd, PROBE, SurfacePoint, follow_occluders};
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::Branch;
 use crate::paths::random::Stream;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::DVec3;
@@ -127,7 +128,7 @@ impl<L: ShadowLine> Shadows<'_, L> {
         let runs = self.line.runs(&places);
         let known = runs.weights_of_shadows(first.free < first.hidden);
         let weight = |(number, known): (usize, f64)| {
-            let stream = stream.branch([1 + number as u32, 0]);
+            let stream = stream.branch(Branch::ShadowEnd, [number as u32, 0, 0]);
             known + self.excess(ends, number, &stream, counts)
         };
         known.into_iter().enumerate().map(weight).collect()

@@ -1,13 +1,11 @@
 //! Here on the path: what is known where a packet of paths has arrived.
 
 use crate::lanes::{LANES, Lane};
+use crate::paths::dimensions::Pair;
 use crate::paths::random::Stream;
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::vertex::Surface;
-
-/// Pairs of random numbers that a vertex consumes.
-pub const PAIRS_PER_VERTEX: u32 = 5;
 
 /// The random numbers of a packet's vertex.
 #[derive(Clone, Copy)]
@@ -20,10 +18,9 @@ pub struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// Pair `number` of the vertex.
-    pub fn pair(&self, number: u32) -> (Lane, Lane) {
-        self.stream
-            .pair(self.index, self.depth * PAIRS_PER_VERTEX + number)
+    /// The vertex's own pair for this use.
+    pub fn pair(&self, user: Pair) -> (Lane, Lane) {
+        self.stream.pair(self.index, user.dimension(self.depth))
     }
 }
 

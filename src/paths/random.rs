@@ -23,9 +23,16 @@ impl Stream {
         Self(mix(h ^ parts[1].wrapping_mul(0xc2b2_ae35)))
     }
 
-    /// A stream of its own for what `parts` name.
-    pub fn branch(&self, parts: [u32; 2]) -> Self {
-        Self::new(self.0 as u64, parts)
+    /// A stream of its own for what `words` name (`paths::dimensions`).
+    pub(super) fn child(&self, words: [u32; 5]) -> Self {
+        let mix_in =
+            |h: u32, word: u32| mix(h ^ mix(word.wrapping_mul(0x9e37_79b1).wrapping_add(1)));
+        Self(words.into_iter().fold(mix(self.0), mix_in))
+    }
+
+    /// A uniform number in [0, 1) for what `words` name.
+    pub(super) fn keyed(&self, words: [u32; 5]) -> f32 {
+        to_unit(self.child(words).0)
     }
 
     /// One uniform number in [0, 1) for the whole stream.

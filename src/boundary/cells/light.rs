@@ -18,8 +18,9 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
 use crate::kernels::light::triangle_irradiance;
 use crate::lanes::LANES;
-use crate::paths::at::{At, PAIRS_PER_VERTEX};
+use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::dimensions::{Branch, Pair};
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
@@ -43,14 +44,16 @@ pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, out: &mut Found) {
     if facing == 0 {
         return;
     }
-    let (_, jitter) = at.numbers.pair(1);
-    for axis in 0..2 {
+    let pairs = [Pair::LightLineAlongS, Pair::LightLineAlongR];
+    for (axis, pair) in pairs.into_iter().enumerate() {
+        let (jitter, extra) = at.numbers.pair(pair);
         let lines = LightLines {
             scene,
             at,
             draw,
             axis,
             jitter: jitter.to_array(),
+            extra: extra.to_array(),
         };
         lines.find(facing, out);
     }
@@ -79,6 +82,8 @@ struct LightLines<'a> {
     /// The lines go along this axis of the patches.
     axis: usize,
     jitter: [f32; LANES],
+    /// Where one more point of each line lies.
+    extra: [f32; LANES],
 }
 
 impl LightLines<'_> {
@@ -91,10 +96,8 @@ impl LightLines<'_> {
             }
         }
         let positions: [[f32; LANES]; POINTS] = {
-            let points: [_; LANES] = std::array::from_fn(|l| {
-                let extra = self.draws(l).uniform(0);
-                points(ends[l], self.jitter[l], extra)
-            });
+            let points: [_; LANES] =
+                std::array::from_fn(|l| points(ends[l], self.jitter[l], self.extra[l]));
             std::array::from_fn(|i| std::array::from_fn(|l| points[l][i]))
         };
         let visible = positions.map(|along| self.visible(&along, active, out));
@@ -126,8 +129,8 @@ impl LightLines<'_> {
     /// For other points of a lane's line.
     fn draws(&self, lane: usize) -> Stream {
         let numbers = &self.at.numbers;
-        let salt = numbers.depth * PAIRS_PER_VERTEX * 2 + self.axis as u32;
-        numbers.stream.branch([numbers.index[lane], salt])
+        let name = [numbers.index[lane], numbers.depth, self.axis as u32];
+        numbers.stream.branch(Branch::LightShadow, name)
     }
 
     /// Each lane's coordinate across its line.

@@ -4,6 +4,7 @@ use crate::kernels::light::direction_irradiance;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::Pair;
 use crate::paths::environment::distribution::Sky;
 use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
@@ -12,9 +13,6 @@ use crate::paths::surface::materials::LightKind;
 use crate::paths::surface::vertex::Surface;
 use crate::scene::Environment;
 use glam::Vec3;
-
-/// Pairs of random numbers for the sky lie beyond those of all other things at a vertex.
-pub const SKY_PAIRS: u32 = 0x1000;
 
 impl At<'_> {
     /// Draws a direction of the map in every lane.
@@ -25,7 +23,7 @@ impl At<'_> {
             surface,
             ..
         } = *self;
-        let (u, v) = self.numbers.pair(SKY_PAIRS);
+        let (u, v) = self.numbers.pair(Pair::EnvironmentDirection);
         let (u, v) = (u.to_array(), v.to_array());
         let mut pdf = [1.0; LANES];
         let directions: [Vec3; LANES] = std::array::from_fn(|l| {

@@ -5,6 +5,7 @@
 //! of variables (`boundary::cells::film::search`); so that the cells cover the tile completely, the lattice has one more point
 //! beyond each side of the tile, which belongs to no pixel's sum.
 
+use crate::paths::dimensions::Single;
 use crate::paths::random::Stream;
 use crate::scene::Rgb;
 
@@ -83,7 +84,7 @@ impl Lattice {
         let start = [bound(0, at[0]), bound(1, at[1])];
         let end = [bound(0, at[0] + 1), bound(1, at[1] + 1)];
         let step = self.per_pixel.map(|n| 1.0 / n as f64);
-        let shift = [stream.uniform(0), stream.uniform(1)];
+        let shift = [0, 1].map(|axis| stream.single(Single::LatticeShift, [axis, 0, 0]));
         Tile {
             start,
             end,

@@ -12,6 +12,7 @@ use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::Pair;
 use crate::paths::estimator::LightDraw;
 use crate::paths::rays::{RayPacket, from_lanes, lane_mask, masked, splat};
 use crate::paths::scene_view::SceneView;
@@ -72,9 +73,9 @@ impl At<'_> {
             surface,
             ..
         } = *self;
-        let (s, r) = self.numbers.pair(0);
+        let (s, r) = self.numbers.pair(Pair::LightPoint);
         let (pick, _) = if view.lights.patches.len() > 1 {
-            self.numbers.pair(1)
+            self.numbers.pair(Pair::LightPatch)
         } else {
             (Lane::splat(0.0), Lane::splat(0.0))
         };

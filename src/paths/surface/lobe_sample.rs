@@ -7,6 +7,7 @@ use crate::kernels::fresnel::fresnel_dielectric;
 use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::Numbers;
+use crate::paths::dimensions::Pair;
 use crate::paths::rays::{RayPacket, lane_mask, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{Lobes, Vertices};
@@ -34,7 +35,7 @@ impl SceneView<'_> {
         rim: Lane,
         numbers: &Numbers,
     ) -> RayPacket {
-        let (u, v) = numbers.pair(2);
+        let (u, v) = numbers.pair(Pair::LobeDirection);
         let one = Lane::splat(1.0);
         let u = <Lane as Real>::select(rim.lt(one), one - rim * (one - u), u);
         vertices.local = cosine_direction(u, v);
@@ -42,7 +43,7 @@ impl SceneView<'_> {
             vertices.weight = vertices.colour;
             direction_from_local(surface.n, vertices.local)
         } else {
-            let (choice, _) = numbers.pair(3);
+            let (choice, _) = numbers.pair(Pair::LobeChoice);
             self.draw_lobes(vertices, surface, [u, v], choice);
             self.bounce_direction(vertices, surface)
         };
@@ -68,6 +69,7 @@ impl SceneView<'_> {
         let mut looks = alive | (lane_mask(vertices.hit & rough) & arrives.gt(zero));
         let mut survival = Lane::splat(1.0);
         let mut line_survival = survival;
+        let number = || numbers.pair(Pair::Roulette).0;
         if depth + 1 >= self.limits.rr_depth {
             let least = if self.limits.black_goes_on {
                 LEAST_SURVIVAL
@@ -78,7 +80,7 @@ impl SceneView<'_> {
                 let least = Lane::splat(least);
                 brightest.max(least).min(Lane::splat(0.95))
             };
-            let (u, _) = numbers.pair(4);
+            let u = number();
             let [of_path, of_line] = [
                 chance(brightest),
                 chance(<Lane as Real>::select(alive, brightest, arrives)),
@@ -88,7 +90,7 @@ impl SceneView<'_> {
             survival = Lane::splat(1.0) / of_path;
             line_survival = Lane::splat(1.0) / of_line;
         } else if depth + 1 >= LONG {
-            let (u, _) = numbers.pair(4);
+            let u = number();
             let goes_on = u.lt(Lane::splat(LONG_SURVIVAL));
             (alive, looks) = (alive & goes_on, looks & goes_on);
             survival = Lane::splat(1.0 / LONG_SURVIVAL);

@@ -8,12 +8,10 @@ use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
+use crate::paths::dimensions::Branch;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
-
-/// Streams of other draws of these lines are told by this, and the depth, from those on lights and maps.
-const DRAWS: u32 = 0x100;
 
 /// Finds what hides a constant environment from diffuse lanes at their last bounce; those in `free` see it.
 pub fn find(search: &mut LobeSearch, free: u32) {
@@ -71,9 +69,8 @@ fn open(search: &mut LobeSearch, lines: &[Option<Line>; LANES], i: usize, free: 
 /// The silhouettes of whatever hides the environment at some of the points of a lane's line.
 fn shadows(search: &mut LobeSearch, lane: usize, line: &Line, is_open: &[bool], radiance: DVec3) {
     let numbers = &search.at.numbers;
-    // Numbered by the vertex that the bounces would lead to.
-    let salt = DRAWS + numbers.depth + 1;
-    let draws = numbers.stream.branch([numbers.index[lane], salt]);
+    let name = [numbers.index[lane], numbers.depth, 0];
+    let draws = numbers.stream.branch(Branch::ConstantShadow, name);
     let shadows = Shadows {
         scene: search.scene,
         point: &SurfacePoint::of_lane(search.at, lane),

@@ -11,8 +11,8 @@ use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::dimensions::{Branch, Pair, Single};
 use crate::paths::environment::distribution::{Sky, SkyLine};
-use crate::paths::environment::sample::SKY_PAIRS;
 use crate::paths::moving::Sector;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
@@ -24,29 +24,26 @@ use std::f64::consts::FRAC_1_PI;
 /// Points on a line besides its ends on the horizon, at quantiles of the line's power.
 const INNER_POINTS: usize = 4;
 
-/// Dimensions of a stream from which on families of meridians are drawn.
-const AXIS: u32 = 0x6000_0000;
-/// Streams of other draws of lines on a map are told by this, and the depth, from those on lights and even skies.
-const DRAWS: u32 = 0x200;
-
 /// Finds what hides the map on one line of every lane, about one of two axes.
 pub fn find(scene: &SearchScene, at: &At, out: &mut Found) {
     let view = scene.view;
     let (Some(sky), Some(environment)) = (view.sky, &view.scene.environment) else {
         return;
     };
-    let (place, jitter) = at.numbers.pair(SKY_PAIRS + 1);
-    let number = at.numbers.index[0]
-        .wrapping_mul(8)
-        .wrapping_add(at.numbers.depth);
+    let numbers = &at.numbers;
+    let (place, jitter) = numbers.pair(Pair::EnvironmentLine);
+    let (extra, _) = numbers.pair(Pair::EnvironmentPoint);
+    let name = [numbers.index[0], numbers.depth, 0];
+    let family = numbers.stream.single(Single::EnvironmentFamily, name);
     let lines = MapLines {
         scene,
         at,
         sky,
         environment,
-        axis: (at.numbers.stream.uniform(AXIS + number) * 2.0) as usize,
+        axis: (family * 2.0) as usize,
         place: place.to_array(),
         jitter: jitter.to_array(),
+        extra: extra.to_array(),
     };
     lines.find(out);
 }
@@ -61,6 +58,8 @@ struct MapLines<'a> {
     /// What draws each line, and its points.
     place: [f32; LANES],
     jitter: [f32; LANES],
+    /// Where one more point of it lies.
+    extra: [f32; LANES],
 }
 
 impl<'a> MapLines<'a> {
@@ -97,8 +96,8 @@ impl<'a> MapLines<'a> {
     /// For other points of a lane's line.
     fn draws(&self, lane: usize) -> Stream {
         let numbers = &self.at.numbers;
-        let salt = DRAWS + numbers.depth;
-        numbers.stream.branch([numbers.index[lane], salt])
+        let name = [numbers.index[lane], numbers.depth, 0];
+        numbers.stream.branch(Branch::EnvironmentShadow, name)
     }
 
     /// A lane's line, unless nothing may be found on it that moves.
@@ -114,7 +113,7 @@ impl<'a> MapLines<'a> {
         if !moves {
             return None;
         }
-        let random = [self.jitter[lane], self.draws(lane).uniform(0)];
+        let random = [self.jitter[lane], self.extra[lane]];
         MapLine::new(self.sky, line, n, random.map(f64::from))
     }
 

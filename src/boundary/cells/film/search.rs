@@ -18,8 +18,10 @@ use crate::discontinuity::boundary::velocity_per_side;
 use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
 use crate::paths::integrator::Start;
+use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, splat};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -27,24 +29,19 @@ use std::collections::BTreeSet;
 /// Of the cells whose ends look alike one in this many is searched, and stands for all.
 const UNLIKELY: u32 = 8;
 
-/// Dimensions from here on choose among several edges in a cell.
-const CHOICE: u32 = 16;
-
-/// Sample indices of probes: apart from those of the lattice, which are Morton codes of small numbers.
-const PROBE_INDEX: u32 = 0x8000_0000;
-/// More than are found at once in a cell.
-const PROBES_PER_ROUND: u32 = 64;
-
 /// Finds what jumps between all neighbours between which something that moves may be seen.
 pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let cells = LatticeCells { scene, film };
     let mut search = LineSearch::new(scene, &mut out.counts);
     let (mut candidates, skipped) = searched_cells(&cells, &mut search);
-    for round in 0..ROUNDS {
-        let mut last = (u32::MAX, 0);
+    let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
+    let mut probes = 0;
+    for _ in 0..ROUNDS {
         candidates = search.probe(&candidates, |group, directions, sides, counts| {
-            let index = probe_index(group, round, &mut last);
-            look(&cells, directions, sides, &index, counts)
+            // Both sides of a crossing share their random numbers, and nothing else does.
+            let index = std::array::from_fn(|l| probes + (l / 2) as u32);
+            probes += group.len() as u32;
+            look(&cells, (directions, sides), &stream, &index, counts)
         });
         if candidates.is_empty() {
             break;
@@ -83,7 +80,7 @@ fn searched_cells<'a>(
                     continue;
                 }
                 let number = (axis * columns * rows + point) as u32;
-                let mut choice = tile.stream.uniform(CHOICE + number) as f64;
+                let mut choice = tile.stream.single(Single::FilmEdge, [number, 0, 0]) as f64;
                 // Equal radiances mostly mean that there is no jump, unless both are in shadow.
                 let mut weight = 1;
                 let radiance = image.radiance[point];
@@ -96,7 +93,7 @@ fn searched_cells<'a>(
                     continue;
                 }
                 let mut cell = cells.cell(line, at as i64, search.counts);
-                (cell.weight, cell.number) = (weight, number);
+                cell.weight = weight;
                 candidates.extend(search.candidates(&cell, Some(choice)));
             }
         }
@@ -104,25 +101,11 @@ fn searched_cells<'a>(
     (candidates, skipped)
 }
 
-/// The random numbers of probes: both sides of a crossing share theirs, and nothing else does. `last` is the cell of the
-/// probe before, and its place in that.
-fn probe_index(group: &[Candidate<FilmCell>], round: u32, last: &mut (u32, u32)) -> [u32; LANES] {
-    let mut index = [PROBE_INDEX; LANES];
-    for (i, candidate) in group.iter().enumerate() {
-        let number = candidate.cell.number;
-        let place = if last.0 == number { last.1 + 1 } else { 0 };
-        *last = (number, place);
-        let own = (number * ROUNDS + round) * PROBES_PER_ROUND + place;
-        index[2 * i..2 * i + 2].fill(PROBE_INDEX + own);
-    }
-    index
-}
-
 /// The radiance along these directions.
 fn look(
     cells: &LatticeCells,
-    directions: &[Vec3; LANES],
-    sides: Sides,
+    (directions, sides): (&[Vec3; LANES], Sides),
+    stream: &Stream,
     index: &[u32; LANES],
     counts: &mut Counts,
 ) -> Seen {
@@ -139,7 +122,6 @@ fn look(
         with_emission: true,
         between_planes: 0,
     };
-    let stream = &cells.film.tile.stream;
     cells.scene.probe(start, sides, stream, index, counts)
 }
 

@@ -4,35 +4,34 @@
 //! path is traced on either side of each (`boundary::cells::lobe::search`).
 
 use super::line::{LaneSurface, Line, Lobe};
-use super::search::{self, PROBES, PROBES_OF_PART, Part, Way};
+use super::search::{self, PROBES_OF_PART, Part, Way};
 use super::vertex::{FAMILIES, LobeSearch};
 use crate::boundary::cells::environment::constant;
 use crate::boundary::search_scene::SearchScene;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::Found;
+use crate::paths::dimensions::{Branch, Pair, Single};
 use crate::paths::estimator::{Bounce, Seen};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
 
-/// Dimension of a stream from which on families of lines are drawn.
-const AXIS: u32 = 0x2000_0000;
-/// Streams of paths that look beside silhouettes are kept apart from all others by this dimension offset.
-const PROBE_INDEX: u32 = 0x4000_0000;
+/// Samples of a tile are fewer than two to this; above it, probes of one line are numbered. So the first probes of
+/// neighbours have neighbouring indices, which are well spread.
+const INDEX_BITS: u32 = 22;
 
 /// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is drawn for all lanes.
 pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
     let (view, numbers) = (scene.view, &at.numbers);
-    // Numbered by the vertex that the bounces lead to.
-    let depth = numbers.depth + 1;
-    let (_, jitter) = numbers.pair(4);
-    let number = numbers.index[0].wrapping_mul(8).wrapping_add(depth);
-    let at_last = depth + 1 >= view.limits.max_depth;
+    let (jitter, _) = numbers.pair(Pair::LobeLine);
+    let name = [numbers.index[0], numbers.depth, 0];
+    let family = numbers.stream.single(Single::DiffuseFamily, name);
+    let at_last = numbers.depth + 2 >= view.limits.max_depth;
     let mut search = LobeSearch {
         scene,
         at,
         bounce,
-        axis: (numbers.stream.uniform(AXIS + number) * 2.0) as usize,
+        axis: (family * FAMILIES as f32) as usize,
         jitter: jitter.to_array(),
         at_last,
         out,
@@ -52,13 +51,13 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
             constant::find(&mut search, free);
         }
     } else {
-        among_surfaces(&mut search, depth);
+        among_surfaces(&mut search);
     }
 }
 
 /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
 /// of a packet see different meshes, a silhouette is near, and all its lanes look for it.
-fn among_surfaces(search: &mut LobeSearch, depth: u32) {
+fn among_surfaces(search: &mut LobeSearch) {
     let At {
         vertices, numbers, ..
     } = *search.at;
@@ -81,14 +80,14 @@ fn among_surfaces(search: &mut LobeSearch, depth: u32) {
             continue;
         }
         let all = group == 0 && sees_several(search, lanes & search.bounce.rays.active);
-        let dimension = AXIS + numbers.index[0] * 128 + depth * 2 + group as u32;
-        let chosen = (numbers.stream.uniform(dimension) * count as f32) as u32;
+        let name = [numbers.index[0], numbers.depth, group as u32];
+        let chosen = (numbers.stream.single(Single::LobeLane, name) * count as f32) as u32;
         let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
         for (number, lane) in lanes.enumerate() {
             if all {
-                line_of_lane(search, lane, 1.0, depth);
+                line_of_lane(search, lane, 1.0);
             } else if number as u32 == chosen.min(count - 1) {
-                line_of_lane(search, lane, count as f64, depth);
+                line_of_lane(search, lane, count as f64);
             }
         }
     }
@@ -117,15 +116,15 @@ fn sees_several(search: &LobeSearch, lanes: u32) -> bool {
 }
 
 /// A line for one lane of the packet, which stands for as many as `weight`.
-fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64, depth: u32) {
+fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     let here = search.at;
     let Some(lobe) = Lobe::of_lane(here.vertices, lane) else {
         return;
     };
     let is_narrow = is_narrow(search, lobe, lane);
-    let index = here.numbers.index[lane];
-    let number = index.wrapping_mul(8).wrapping_add(depth);
-    let choice = |salt: u32| here.numbers.stream.uniform(AXIS + number * 16 + salt) as f64;
+    let (index, depth) = (here.numbers.index[lane], here.numbers.depth);
+    let number = |user, of| here.numbers.stream.single(user, [index, depth, of]) as f64;
+    let choice = |cell| number(Single::LobeEdge, cell);
     let mut at = LaneSurface::new(here, lane, lobe);
     let jitter = search.jitter[lane] as f64;
     let line = if lobe == Lobe::Diffuse {
@@ -134,25 +133,26 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64, depth: u32) {
         let is_known = matches!(search.bounce.seen, Seen::Triangles(_));
         Some(Line::diffuse(&at, bounce, search.axis, jitter, is_known))
     } else {
-        Line::lobe(&at, (choice(1) * FAMILIES) as usize, choice(2), jitter)
+        let family = (number(Single::LobeFamily, 0) * FAMILIES) as usize;
+        Line::lobe(&at, family, number(Single::LobePlace, 0), jitter)
     };
     let Some(line) = line else { return };
     if !search.moves(lane, &line, &at) {
         return;
     }
     // Both sides of a crossing share their random numbers, and nothing else does.
-    let probes = |number: u32| PROBE_INDEX + (index * PROBES + number) * LANES as u32;
+    let probes = |number: u32| number << INDEX_BITS | index;
     let way = Way {
         lane,
         weight,
         is_narrow,
-        depth,
+        stream: &here.numbers.stream.branch(Branch::LobeProbe, [depth, 0, 0]),
     };
     let geometric = lane_of(here.surface.geometric, lane).as_dvec3();
     let Some((psi, [before, beyond])) = line.cut(geometric) else {
         let part = Part {
             line: &line,
-            choice: &|i| choice(3 + i),
+            choice: &choice,
             probe_index: &probes,
         };
         search::on_part(search, &mut at, &way, &part);
@@ -162,12 +162,12 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64, depth: u32) {
     let parts = [
         Part {
             line: &before,
-            choice: &|i| choice(3 + i),
+            choice: &choice,
             probe_index: &probes,
         },
         Part {
             line: &beyond,
-            choice: &|i| choice(3 + cells + i),
+            choice: &|cell| choice(cells + cell),
             probe_index: &|number| probes(PROBES_OF_PART + number),
         },
     ];

@@ -15,22 +15,24 @@ use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::estimator::Seen;
 use crate::paths::integrator::Start;
+use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 
 /// Silhouettes behind one another that are looked for in one cell.
 const ROUNDS: u32 = 8;
-/// Random numbers of what looks beside crossings, in packets: of one part of a line, and of the whole line with its own plane.
-pub const PROBES_OF_PART: u32 = ROUNDS * 4;
-pub const PROBES: u32 = 2 * PROBES_OF_PART + 1;
+/// Probes that a round of a part of a line is taken to have at most.
+const PROBES_OF_ROUND: u32 = 32;
+/// Those of the part.
+pub const PROBES_OF_PART: u32 = ROUNDS * PROBES_OF_ROUND;
 
 /// Whose line it is, how much that stands for, and how paths go on from what is found on it.
-pub struct Way {
+pub struct Way<'a> {
     pub lane: usize,
     pub weight: f64,
     pub is_narrow: bool,
-    /// Number of the vertices that its rays lead to.
-    pub depth: u32,
+    /// Of what probes see.
+    pub stream: &'a Stream,
 }
 
 /// A line, or a part of one, all of which lies on one side of the triangle it starts on; and its random numbers.
@@ -38,7 +40,7 @@ pub struct Part<'a> {
     pub line: &'a Line,
     /// Uniform, for each cell.
     pub choice: &'a dyn Fn(u32) -> f64,
-    /// Sample index of each packet of probes.
+    /// Sample index of each probe.
     pub probe_index: &'a dyn Fn(u32) -> u32,
 }
 
@@ -57,9 +59,9 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
         found.extend(on_line.candidates(cell, Some((part.choice)(i as u32))));
     }
     for round in 0..ROUNDS {
-        let mut first = (part.probe_index)(round * 4);
+        let mut first = round * PROBES_OF_ROUND;
         found = on_line.probe(&found, |_, directions, sides, counts| {
-            let index = std::array::from_fn(|l| first + (l / 2) as u32);
+            let index = std::array::from_fn(|l| (part.probe_index)(first + (l / 2) as u32));
             first += (LANES / 2) as u32;
             look(
                 scene,
@@ -136,11 +138,11 @@ fn look(
     let x = from_lanes(&[point.x; LANES]);
     let start = Start {
         rays: RayPacket::leaving(x, normal, from_lanes(directions), sides.active),
-        depth: way.depth,
+        depth: here.numbers.depth + 1,
         with_emission: way.is_narrow,
         between_planes: 0,
     };
-    scene.probe(start, sides, here.numbers.stream, index, counts)
+    scene.probe(start, sides, way.stream, index, counts)
 }
 
 /// The cells of a line: the intervals between its points, of which is seen what lies there.

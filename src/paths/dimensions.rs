@@ -1,0 +1,160 @@
+//! The table of random dimensions: what every random number is for. Whoever draws one has a row here, and no two share one.
+//!
+//! There are three kinds. *Pairs* are points of well spread sets, one a vertex and lane (`Numbers::pair`). *Singles* are
+//! numbers of their own, named by what they are for and up to three numbers more. *Branches* are streams of their own,
+//! for those that draw as many numbers as they happen to need. `tests/architecture` holds each row to one user.
+
+use crate::paths::random::Stream;
+
+/// Pairs of numbers that a vertex of a path draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pair {
+    /// A light sample's place in the square of its patch.
+    LightPoint,
+    /// First: which patch.
+    LightPatch,
+    /// The next direction in its lobe.
+    LobeDirection,
+    /// First: which lobe.
+    LobeChoice,
+    /// First: whether the path goes on, and whether its lobe is searched.
+    Roulette,
+    /// A direction of the environment map.
+    EnvironmentDirection,
+    /// First: where the points lie on a line over a light. Second: where one more of them lies.
+    LightLineAlongS,
+    /// The same of the line along the patch's other axis.
+    LightLineAlongR,
+    /// Which line over the environment map, and where its points lie.
+    EnvironmentLine,
+    /// First: where one more point of that line lies.
+    EnvironmentPoint,
+    /// First: where the points lie on a line over a lobe.
+    LobeLine,
+}
+
+/// Pairs that a vertex draws.
+const PAIRS_PER_VERTEX: u32 = Pair::LobeLine as u32 + 1;
+
+impl Pair {
+    /// Its dimension in the point sets of a stream, at vertex `depth` of a path.
+    pub fn dimension(self, depth: u32) -> u32 {
+        depth
+            .wrapping_mul(PAIRS_PER_VERTEX)
+            .wrapping_add(self as u32)
+    }
+}
+
+/// Single numbers, with what tells several of them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Single {
+    /// How far a tile's lattice is shifted: axis.
+    LatticeShift,
+    /// Which of several edges in a cell of the film: cell.
+    FilmEdge,
+    /// Which family of lines over the environment map, for a packet: index, depth.
+    EnvironmentFamily,
+    /// Which family of lines over diffuse lobes, for a packet: index, depth.
+    DiffuseFamily,
+    /// Which family of lines over a lane's narrow lobe: index, depth.
+    LobeFamily,
+    /// Where among that family: index, depth.
+    LobePlace,
+    /// Which lane of a packet has a line over its lobe: index, depth, group of lanes.
+    LobeLane,
+    /// Which of several edges in a cell of a line over a lobe: index, depth, cell.
+    LobeEdge,
+}
+
+/// Streams of their own, with what tells several of them apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// Paths that begin beside what the camera sees.
+    FilmProbe,
+    /// Paths that begin beside what a lobe sees: depth.
+    LobeProbe,
+    /// Other points of a line over a light: index, depth, axis.
+    LightShadow,
+    /// Other points of a line over the environment map: index, depth.
+    EnvironmentShadow,
+    /// Other points of a line before a constant environment: index, depth.
+    ConstantShadow,
+    /// For one end of a shadow among those of a line: its number.
+    ShadowEnd,
+}
+
+impl Stream {
+    /// One uniform number in [0, 1).
+    pub fn single(&self, user: Single, numbers: [u32; 3]) -> f32 {
+        let [a, b, c] = numbers;
+        self.keyed([0, user as u32, a, b, c])
+    }
+
+    /// A stream of its own.
+    pub fn branch(&self, user: Branch, numbers: [u32; 3]) -> Self {
+        let [a, b, c] = numbers;
+        self.child([1, user as u32, a, b, c])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Packets at all vertices of a path, and all uses there, have dimensions of their own.
+    #[test]
+    fn pairs_do_not_meet() {
+        let mut met = BTreeSet::new();
+        for depth in 0..200 {
+            for ordinal in [
+                Pair::LightPoint,
+                Pair::LightPatch,
+                Pair::LobeDirection,
+                Pair::LobeChoice,
+                Pair::Roulette,
+                Pair::EnvironmentDirection,
+                Pair::LightLineAlongS,
+                Pair::LightLineAlongR,
+                Pair::EnvironmentLine,
+                Pair::EnvironmentPoint,
+                Pair::LobeLine,
+            ] {
+                assert!(
+                    met.insert(ordinal.dimension(depth)),
+                    "{ordinal:?} at {depth}"
+                );
+            }
+        }
+    }
+
+    /// Numbers that differ in one word of their names are as good as independent: all pairs of words nearby are tried.
+    #[test]
+    fn singles_and_branches_do_not_meet() {
+        let stream = Stream::new(11, [2, 3]);
+        let users = [Single::LatticeShift, Single::LobeLane, Single::LobeEdge];
+        let branches = [Branch::FilmProbe, Branch::LobeProbe, Branch::ShadowEnd];
+        let mut met = BTreeSet::new();
+        let mut names = 0;
+        for a in 0..24 {
+            for b in 0..12 {
+                for c in 0..4 {
+                    for user in users {
+                        names += 1;
+                        met.insert(stream.single(user, [a, b, c]).to_bits());
+                    }
+                    for branch in branches {
+                        names += 1;
+                        met.insert(stream.branch(branch, [a, b, c]).uniform(0).to_bits());
+                    }
+                }
+            }
+        }
+        // Of 6912 numbers of 24 bits, 1.4 meet by chance: the number is Poisson's.
+        assert!(
+            names - met.len() < 8,
+            "{} of {names} meet",
+            names - met.len()
+        );
+    }
+}
