@@ -5,7 +5,7 @@ use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_mask;
-use crate::paths::surface::materials::Kinds;
+use crate::paths::surface::kinds::Kinds;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 

@@ -26,7 +26,7 @@ use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::Rgb;
 use glam::{DVec3, Vec3};
 

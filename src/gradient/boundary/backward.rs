@@ -12,7 +12,7 @@ use crate::lanes::{LANES, Lane, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::store::TileStore;
-use crate::paths::surface::materials::interface_of_lane;
+use crate::paths::surface::interface::interface_of_lane;
 use crate::scene::Rgb;
 use glam::{DVec3, Vec3};
 

@@ -1,15 +1,16 @@
-//! The adjoint sweep over light: emission that rays found, light samples, the sky.
+//! The backward sweep over light: emission that rays found, light samples, the sky.
 
 use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
-use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map as sky;
 use crate::paths::rays::{lane_mask, lane_of, masked};
-use crate::paths::surface::materials::{LightKind, texture_at};
+use crate::paths::surface::interface::texture_at;
+use crate::paths::surface::kinds::LightKind;
 use crate::trace::geometry::gather;
 use glam::{DVec3, Vec3};
 
@@ -26,39 +27,40 @@ impl BackwardSweep<'_> {
             vertices.direction,
             w,
             *interface,
-            self.transmission(here, here.n.dot(w.normalize())),
+            self.view
+                .transmission(vertices, here.n, here.n.dot(w.normalize())),
             vertices.kinds.masks(),
             lane_mask(lobes),
         );
         masked(lit, value)
     }
 
-    /// Adds to the cotangents of the vertex in the lanes of `bits`, and returns that of `w`.
+    /// Adds to the cotangents of the vertex from that of the BSDF, and returns that of `w`.
     pub(crate) fn bsdf_evaluate_backward(
         &self,
         here: &Solved,
         w: V3<Lane>,
         light: LightKind,
-        bits: u32,
-        value_bar: V3<Lane>,
+        bar: Cotangent,
         bars: &mut VertexBars,
     ) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
-            bars.interface.colour = bars.interface.colour + masked(bits, value_bar);
+            bars.interface.colour = bars.interface.colour + masked(bar.bits, bar.value);
             return V3::splat(0.0);
         };
         let [lit, lobes] = vertices.kinds.lit_by(light);
-        let bits = bits & lit;
+        let bits = bar.bits & lit;
         let (n, direction, w_bar, s, _) = bsdf_evaluate_adjoint(
             here.n,
             vertices.direction,
             w,
             *interface,
-            self.transmission(here, here.n.dot(w.normalize())),
+            self.view
+                .transmission(vertices, here.n, here.n.dot(w.normalize())),
             vertices.kinds.masks(),
             lane_mask(lobes),
-            masked(bits, value_bar),
+            masked(bits, bar.value),
         );
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, direction);
@@ -69,8 +71,7 @@ impl BackwardSweep<'_> {
     /// See `forward::ForwardSweep::emission`. `earlier` are the cotangents of the vertex `before`.
     pub(crate) fn emission(
         &self,
-        here: &Solved,
-        before: Option<&Solved>,
+        (here, before): (&Solved, Option<&Solved>),
         radiance_bar: V3<Lane>,
         bars: &mut VertexBars,
         earlier: &mut VertexBars,
@@ -106,14 +107,9 @@ impl BackwardSweep<'_> {
                     weighted.times(throughput).times(value) * irradiance,
                 );
             let value_bar = brings.times(throughput);
-            let w_bar = self.bsdf_evaluate_backward(
-                from,
-                w,
-                LightKind::Sampled,
-                sampled,
-                value_bar,
-                earlier,
-            );
+            let value_bar = Cotangent::of_lanes(sampled, value_bar);
+            let w_bar =
+                self.bsdf_evaluate_backward(from, w, LightKind::Sampled, value_bar, earlier);
             if self.wanted.attached() {
                 let all = weighted.times(emitted).times(throughput).times(value);
                 let (x, n, [v0, v1, v2], _, _) = triangle_irradiance_adjoint(
@@ -135,18 +131,19 @@ impl BackwardSweep<'_> {
                 self.scatter(&vertices.triangle, &here.ids, moved, sampled, sums);
             }
         }
-        self.emission_texels(here, bits, seen, emitted_bar, bars, sums);
+        let emitted_bar = Cotangent::of_lanes(bits, emitted_bar);
+        self.emission_texels(here, emitted_bar, seen, bars, sums);
     }
 
     /// Lanes on the lit side of a light.
     fn lanes_on_lights(&self, here: &Solved) -> u32 {
-        let tracer = self.view;
+        let view = self.view;
         (0..LANES)
             .filter(|&l| here.vertices.hit >> l & 1 == 1)
             .filter(|&l| {
                 let t = here.vertices.triangle[l] as usize;
-                let mesh = tracer.geometry.mesh_of_triangle[t] as usize;
-                tracer.lights.of_mesh[mesh].is_some() && tracer.sees_front(here.vertices, l)
+                let mesh = view.geometry.mesh_of_triangle[t] as usize;
+                view.lights.of_mesh[mesh].is_some() && view.sees_front(here.vertices, l)
             })
             .fold(0, |bits, l| bits | 1 << l)
     }
@@ -155,26 +152,25 @@ impl BackwardSweep<'_> {
     fn emission_texels(
         &self,
         here: &Solved,
-        bits: u32,
+        emitted_bar: Cotangent,
         seen: u32,
-        emitted_bar: V3<Lane>,
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) {
-        let tracer = self.view;
-        if !self.wanted.colours() && !tracer.lights.any_texture {
+        let view = self.view;
+        if !self.wanted.colours() && !view.lights.any_texture {
             return;
         }
         let (b1, b2) = (here.b[0].to_array(), here.b[1].to_array());
         let mut b_bar = bars.b.map(Lane::to_array);
-        for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
+        for lane in (0..LANES).filter(|&l| emitted_bar.bits >> l & 1 == 1) {
             let triangle = here.vertices.triangle[lane];
-            let mesh = tracer.geometry.mesh_of_triangle[triangle as usize] as usize;
-            let Some(light) = tracer.lights.of_mesh[mesh] else {
+            let mesh = view.geometry.mesh_of_triangle[triangle as usize] as usize;
+            let Some(light) = view.lights.of_mesh[mesh] else {
                 continue;
             };
             let at = [b1[lane], b2[lane]];
-            let bar = lane_of(emitted_bar, lane);
+            let bar = lane_of(emitted_bar.value, lane);
             let slopes = self.add_light_texels(light as usize, triangle, at, bar, sums);
             if seen >> lane & 1 == 1 {
                 for (sum, by) in b_bar.iter_mut().zip(slopes) {
@@ -208,7 +204,7 @@ impl BackwardSweep<'_> {
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) {
-        let tracer = self.view;
+        let view = self.view;
         let vertices = here.vertices;
         let light = &vertices.light;
         let lit = light.weight.gt(Lane::splat(0.0));
@@ -216,7 +212,7 @@ impl BackwardSweep<'_> {
             return;
         }
         let bits = lit.to_bits();
-        let emitted = tracer.light_radiance(light);
+        let emitted = view.light_radiance(light);
         let scale = light.irradiance * light.weight;
         let path = masked(bits, radiance_bar.times(vertices.throughput));
         let own = masked(bits, radiance_bar.times(light.value).times(emitted) * scale);
@@ -225,24 +221,18 @@ impl BackwardSweep<'_> {
             let emitted_bar = path.times(light.value) * scale;
             let (s, r) = (light.s.to_array(), light.r.to_array());
             for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
-                let patch = &tracer.lights.patches[light.patch[lane] as usize];
+                let patch = &view.lights.patches[light.patch[lane] as usize];
                 let (triangle, b) = patch.triangle_at(s[lane], r[lane]);
                 let bar = lane_of(emitted_bar, lane);
                 self.add_light_texels(patch.light as usize, triangle, b, bar, sums);
             }
         }
         let (ids, [b1, b2]) =
-            tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
-        let [q0, q1, q2] = gather(&ids, |v, _| tracer.geometry.positions[v as usize]);
+            view.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
+        let [q0, q1, q2] = gather(&ids, |v, _| view.geometry.positions[v as usize]);
         let w = q0 + (q1 - q0) * b1 + (q2 - q0) * b2 - here.x;
-        let w_bar = self.bsdf_evaluate_backward(
-            here,
-            w,
-            LightKind::Sampled,
-            bits,
-            path.times(emitted) * scale,
-            bars,
-        );
+        let value_bar = Cotangent::of_lanes(bits, path.times(emitted) * scale);
+        let w_bar = self.bsdf_evaluate_backward(here, w, LightKind::Sampled, value_bar, bars);
         if !self.wanted.attached() {
             return;
         }
@@ -268,16 +258,15 @@ impl BackwardSweep<'_> {
         self.view.geometry.first_triangle[self.view.scene.area_lights[light].mesh]
     }
 
-    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map, in the lanes of
-    /// `bits`.
-    #[allow(clippy::too_many_arguments)]
+    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map, with this weight.
     pub(crate) fn sky_brings(
         &self,
         here: &Solved,
-        direction: V3<Lane>,
-        weight: Lane,
-        bits: u32,
-        radiance_bar: V3<Lane>,
+        (direction, weight): (V3<Lane>, Lane),
+        Cotangent {
+            bits,
+            value: radiance_bar,
+        }: Cotangent,
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) {
@@ -312,9 +301,9 @@ impl BackwardSweep<'_> {
                 }
             }
         }
-        let value_bar = path.times(radiance) * irradiance;
+        let value_bar = Cotangent::of_lanes(bits, path.times(radiance) * irradiance);
         let mut w_bar =
-            self.bsdf_evaluate_backward(here, direction, LightKind::Sampled, bits, value_bar, bars);
+            self.bsdf_evaluate_backward(here, direction, LightKind::Sampled, value_bar, bars);
         let all = path.times(radiance).times(value);
         let irradiance_bar = all.x + all.y + all.z;
         let (n, w) = direction_irradiance_adjoint(here.n, direction, irradiance_bar);

@@ -1,10 +1,10 @@
-//! The adjoint sweep over lights without an extent.
+//! The backward sweep over delta lights.
 
 use crate::adjoint::bsdf::bsdf_evaluate_glass_adjoint;
 use crate::adjoint::light::{
     direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
 };
-use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
@@ -12,7 +12,7 @@ use crate::lanes::{Lane, V3};
 use crate::paths::light::delta::toward;
 use crate::paths::rays::{lane_mask, masked, splat};
 use crate::paths::store::TileStore;
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::{DeltaLight, DeltaLightKind};
 use glam::Vec3;
 
@@ -33,11 +33,11 @@ impl BackwardSweep<'_> {
                 if bits == 0 {
                     continue;
                 }
-                let bar = masked(bits, radiance_bar);
+                let bar = Cotangent::of_lanes(bits, radiance_bar);
                 let moved = if is_glass {
-                    self.through_glass(light, here, bits, bar, bars, sums)
+                    self.through_glass(light, here, bar, bars, sums)
                 } else {
-                    self.onto_surfaces(light, here, bits, bar, bars, sums)
+                    self.onto_surfaces(light, here, bar, bars, sums)
                 };
                 let moved = sums.over_lanes(moved, bits);
                 sums.delta_lights[i] += moved;
@@ -45,16 +45,19 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// What a light brings to surfaces in the lanes of `bits`; returns the cotangent of its position.
+    /// What a light brings to surfaces; returns the cotangent of its position.
     fn onto_surfaces(
         &self,
         light: &DeltaLight,
         here: &Solved,
-        bits: u32,
-        radiance_bar: V3<Lane>,
+        bar: Cotangent,
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) -> V3<Lane> {
+        let Cotangent {
+            bits,
+            value: radiance_bar,
+        } = bar;
         let (w, _) = toward(light, here.x);
         let irradiance = match light.kind {
             DeltaLightKind::Point { position } => point_irradiance(here.x, here.n, splat(position)),
@@ -63,17 +66,9 @@ impl BackwardSweep<'_> {
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
         let value = self.bsdf_evaluate(here, w, LightKind::Delta);
         let path = radiance_bar.times(here.vertices.throughput);
-        self.power(
-            light,
-            bits,
-            radiance_bar,
-            value * irradiance,
-            bars,
-            here,
-            sums,
-        );
-        let value_bar = path.times(power) * irradiance;
-        let w_bar = self.bsdf_evaluate_backward(here, w, LightKind::Delta, bits, value_bar, bars);
+        self.power(light, here, bar, value * irradiance, bars, sums);
+        let value_bar = Cotangent::of_lanes(bits, path.times(power) * irradiance);
+        let w_bar = self.bsdf_evaluate_backward(here, w, LightKind::Delta, value_bar, bars);
         let all = path.times(value).times(power);
         let irradiance_bar = all.x + all.y + all.z;
         match light.kind {
@@ -92,16 +87,19 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// What rough glass sends on of a light in the lanes of `bits`; returns the cotangent of the light's position.
+    /// What rough glass sends on of a light; returns the cotangent of the light's position.
     fn through_glass(
         &self,
         light: &DeltaLight,
         here: &Solved,
-        bits: u32,
-        radiance_bar: V3<Lane>,
+        bar: Cotangent,
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) -> V3<Lane> {
+        let Cotangent {
+            bits,
+            value: radiance_bar,
+        } = bar;
         let Some(interface) = here.interface else {
             return V3::splat(0.0);
         };
@@ -113,7 +111,7 @@ impl BackwardSweep<'_> {
         let kinds = here.vertices.kinds.masks();
         let (n, direction, is_glass) = (here.n, here.vertices.direction, lane_mask(bits));
         let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
-        self.power(light, bits, radiance_bar, sent * falloff, bars, here, sums);
+        self.power(light, here, bar, sent * falloff, bars, sums);
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
         let arriving = radiance_bar.times(here.vertices.throughput).times(power);
         let (n, direction, w_bar, s) = bsdf_evaluate_glass_adjoint(
@@ -138,21 +136,19 @@ impl BackwardSweep<'_> {
     }
 
     /// The cotangents of the light's power and of the path's weight; `brings` is what arrives per unit of power.
-    #[allow(clippy::too_many_arguments)] // Two kinds of surfaces share it.
     fn power(
         &self,
         light: &DeltaLight,
-        bits: u32,
-        radiance_bar: V3<Lane>,
+        here: &Solved,
+        Cotangent { bits, value }: Cotangent,
         brings: V3<Lane>,
         bars: &mut VertexBars,
-        here: &Solved,
         sums: &mut TileSums,
     ) {
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
-        let own = radiance_bar.times(brings).times(power);
+        let own = value.times(brings).times(power);
         bars.throughput = bars.throughput + masked(bits, own);
-        let path = radiance_bar.times(here.vertices.throughput);
+        let path = value.times(here.vertices.throughput);
         let power_bar = sums.over_lanes(path.times(brings), bits);
         sums.add_texel(self.wanted, light.power, 0, power_bar.as_vec3());
     }

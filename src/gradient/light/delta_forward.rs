@@ -7,7 +7,7 @@ use crate::kernels::light::{direction_irradiance, point_falloff, point_irradianc
 use crate::lanes::{Lane, V3};
 use crate::paths::rays::{lane_mask, masked, splat};
 use crate::paths::store::TileStore;
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::DeltaLightKind;
 use glam::Vec3;
 

@@ -6,7 +6,8 @@ use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{Lane, Mask, Real, V3};
 use crate::paths::rays::{from_lanes, lane_mask, splat};
 use crate::paths::store::Vertices;
-use crate::paths::surface::materials::{LightKind, texture_at};
+use crate::paths::surface::interface::texture_at;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::Rgb;
 use glam::Vec3;
 
@@ -109,15 +110,15 @@ impl ForwardSweep<'_> {
 
     /// The change of the radiance emitted where the rays end, if the barycentrics change by `db`.
     fn emission_tangent(&self, vertices: &Vertices, db: [Lane; 2]) -> V3<Lane> {
-        let tracer = self.view;
-        if !self.motion.colours && !tracer.lights.any_texture {
+        let view = self.view;
+        if !self.motion.colours && !view.lights.any_texture {
             return V3::splat(0.0);
         }
-        let b = tracer.barycentrics(vertices).map(Lane::to_array);
+        let b = view.barycentrics(vertices).map(Lane::to_array);
         let db = db.map(Lane::to_array);
-        tracer.per_lane(&vertices.triangle, |mesh, lane| {
-            match tracer.lights.of_mesh[mesh] {
-                Some(light) if tracer.sees_front(vertices, lane) => {
+        view.per_lane(&vertices.triangle, |mesh, lane| {
+            match view.lights.of_mesh[mesh] {
+                Some(light) if view.sees_front(vertices, lane) => {
                     let at = [b[0][lane], b[1][lane]];
                     let moved = [db[0][lane], db[1][lane]];
                     self.light_tangent(light as usize, vertices.triangle[lane], at, moved)
@@ -135,28 +136,28 @@ impl ForwardSweep<'_> {
     }
 
     pub(crate) fn light_sample(&self, here: &MovingVertex) -> V3<Lane> {
-        let tracer = self.view;
+        let view = self.view;
         let light = &here.vertices.light;
         let lit = light.weight.gt(Lane::splat(0.0));
         if !lit.any() {
             return V3::splat(0.0);
         }
-        let (ids, b) = tracer.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
-        let [q0, q1, q2] = self.motion.corners(tracer.geometry, &ids);
+        let (ids, b) = view.patch_corners(&light.patch, &light.s.to_array(), &light.r.to_array());
+        let [q0, q1, q2] = self.motion.corners(view.geometry, &ids);
         let b = b.map(constant);
         let irradiance = triangle_irradiance(here.x, here.n, [q0, q1, q2], b[0], b[1]);
         let y = q0 + (q1 - q0) * b[0] + (q2 - q0) * b[1];
         let tangent = if self.motion.colours {
             let (s, r) = (light.s.to_array(), light.r.to_array());
             from_lanes(&std::array::from_fn(|l| {
-                let patch = &tracer.lights.patches[light.patch[l] as usize];
+                let patch = &view.lights.patches[light.patch[l] as usize];
                 let (triangle, b) = patch.triangle_at(s[l], r[l]);
                 Vec3::from(self.light_tangent(patch.light as usize, triangle, b, [0.0; 2]))
             }))
         } else {
             V3::splat(0.0)
         };
-        let radiance = dual_vector(tracer.light_radiance(light), tangent);
+        let radiance = dual_vector(view.light_radiance(light), tangent);
         let value = self.bsdf_evaluate(here, y - here.x, LightKind::Sampled);
         let arrives = value.times(radiance) * (irradiance * constant(light.weight));
         V3::select(

@@ -1,4 +1,4 @@
-//! The adjoint sweep: from stored vertices, last to first, to the cotangents of everything that was asked for.
+//! The backward sweep: from stored vertices, last to first, to the cotangents of everything that was asked for.
 //!
 //! No ray is traced. Each vertex is solved again from its stored ray, the generated adjoints of the kernels carry the
 //! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
@@ -8,16 +8,16 @@ use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
-use crate::kernels::bsdf::{Interface, RoughTransmission};
+use crate::kernels::bsdf::Interface;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map as sky;
-use crate::paths::rays::{lane_mask, lane_of, masked, splat};
+use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
-use crate::paths::surface::materials::slot_values;
+use crate::paths::surface::interface::slot_values;
 use glam::Vec3;
 
-/// Runs adjoint sweeps over a tile's store.
+/// Runs backward sweeps over a tile's store.
 pub struct BackwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub wanted: &'a Wanted,
@@ -40,6 +40,24 @@ pub(crate) struct Solved<'a> {
     pub smooth: u32,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<Lane>>,
+}
+
+/// A cotangent in some of the lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Cotangent {
+    pub bits: u32,
+    /// Zero in the others.
+    pub value: V3<Lane>,
+}
+
+impl Cotangent {
+    /// In the lanes of `bits`.
+    pub fn of_lanes(bits: u32, value: V3<Lane>) -> Self {
+        Self {
+            bits,
+            value: masked(bits, value),
+        }
+    }
 }
 
 /// Cotangents of a vertex, as they are collected.
@@ -88,6 +106,8 @@ impl VertexBars {
 /// What a vertex hands to the one before it: the cotangents of the ray between them and of the throughput, and those that
 /// emission found by the bounce has for the earlier vertex itself.
 pub(crate) struct Chain {
+    /// The derivative by the radiance of each path.
+    radiance_bar: V3<Lane>,
     pub origin: V3<Lane>,
     pub direction: V3<Lane>,
     throughput: V3<Lane>,
@@ -95,9 +115,10 @@ pub(crate) struct Chain {
 }
 
 impl Chain {
-    fn zero() -> Self {
+    fn begin(radiance_bar: V3<Lane>) -> Self {
         let zero = V3::splat(0.0);
         Self {
+            radiance_bar,
             origin: zero,
             direction: zero,
             throughput: zero,
@@ -119,12 +140,12 @@ impl BackwardSweep<'_> {
     ) {
         let path = store.path(packet);
         let mut next: Option<Solved> = None;
-        let mut chain = Chain::zero();
+        let mut chain = Chain::begin(radiance_bar);
         for (k, vertices) in path.iter().enumerate().rev() {
             let here = next.take().or_else(|| self.solve(vertices));
             let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
             let pair = (here.as_ref(), before.as_ref());
-            chain = self.vertex(store, vertices, pair, radiance_bar, chain, sums);
+            chain = self.vertex(store, vertices, pair, chain, sums);
             next = before;
         }
         if self.wanted.camera {
@@ -142,32 +163,19 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// What rough plastics let through toward directions at cosine `cos_out`.
-    pub(crate) fn transmission(&self, here: &Solved, cos_out: Lane) -> RoughTransmission<Lane> {
-        let cos_in = -(here.vertices.direction.normalize().dot(here.n));
-        self.view.materials.transmission(
-            self.view.scene,
-            self.view.geometry,
-            &here.vertices.triangle,
-            &here.vertices.kinds,
-            cos_in,
-            cos_out,
-        )
-    }
-
     /// One vertex: `after` holds the cotangents that the next vertex handed back.
     fn vertex(
         &self,
         store: &TileStore,
         vertices: &Vertices,
         (here, before): (Option<&Solved>, Option<&Solved>),
-        radiance_bar: V3<Lane>,
         after: Chain,
         sums: &mut TileSums,
     ) -> Chain {
-        let mut back = Chain::zero();
+        let radiance_bar = after.radiance_bar;
+        let mut back = Chain::begin(radiance_bar);
         if vertices.escaped != 0 {
-            self.escape(vertices, before, radiance_bar, &mut back, sums);
+            self.escape(vertices, before, &mut back, sums);
         }
         let Some(here) = here else { return back };
         let mut bars = after.earlier;
@@ -177,21 +185,15 @@ impl BackwardSweep<'_> {
             &mut bars,
         );
         if !self.view.lights.is_empty() {
-            self.emission(
-                here,
-                before,
-                radiance_bar,
-                &mut bars,
-                &mut back.earlier,
-                sums,
-            );
+            let earlier = &mut back.earlier;
+            self.emission((here, before), radiance_bar, &mut bars, earlier, sums);
             self.light_sample(here, radiance_bar, &mut bars, sums);
         }
         if let Some(sample) = store.sky_sample(vertices) {
             let lit = sample.weight.gt(Lane::splat(0.0)).to_bits();
-            let bar = masked(lit, radiance_bar);
-            let (direction, weight) = (sample.direction, sample.weight);
-            self.sky_brings(here, direction, weight, lit, bar, &mut bars, sums);
+            let bar = Cotangent::of_lanes(lit, radiance_bar);
+            let sample = (sample.direction, sample.weight);
+            self.sky_brings(here, sample, bar, &mut bars, sums);
         }
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
@@ -208,7 +210,6 @@ impl BackwardSweep<'_> {
         &self,
         vertices: &Vertices,
         before: Option<&Solved>,
-        radiance_bar: V3<Lane>,
         back: &mut Chain,
         sums: &mut TileSums,
     ) {
@@ -216,20 +217,12 @@ impl BackwardSweep<'_> {
         let Some(environment) = &scene.environment else {
             return;
         };
+        let radiance_bar = back.radiance_bar;
         let sampled = vertices.sampled & vertices.escaped;
         if let (Some(from), true) = (before, sampled != 0) {
-            let bar = masked(sampled, radiance_bar);
-            let weight = vertices.emission_weight;
-            let earlier = &mut back.earlier;
-            self.sky_brings(
-                from,
-                vertices.direction,
-                weight,
-                sampled,
-                bar,
-                earlier,
-                sums,
-            );
+            let bar = Cotangent::of_lanes(sampled, radiance_bar);
+            let sample = (vertices.direction, vertices.emission_weight);
+            self.sky_brings(from, sample, bar, &mut back.earlier, sums);
         }
         let seen = vertices.escaped & !sampled;
         let value = self
@@ -261,7 +254,7 @@ impl BackwardSweep<'_> {
             }
         }
         if self.wanted.attached() {
-            back.direction = crate::paths::rays::from_lanes(&direction_bar);
+            back.direction = from_lanes(&direction_bar);
         }
     }
 
@@ -298,7 +291,7 @@ impl BackwardSweep<'_> {
             vertices.direction,
             local,
             *interface,
-            self.transmission(here, local.z),
+            self.view.transmission(vertices, here.n, local.z),
             vertices.lobes.masks(),
             vertices.kinds.masks(),
             (direction, weight_bar * vertices.inverse_density),
@@ -310,8 +303,8 @@ impl BackwardSweep<'_> {
 
     /// From what surfaces are made of to texels, and to where on the surface that is.
     fn slots(&self, here: &Solved, bars: &mut VertexBars, sums: &mut TileSums) {
-        let tracer = self.view;
-        let is_textured = tracer.materials.any_texture && self.wanted.attached();
+        let view = self.view;
+        let is_textured = view.materials.any_texture && self.wanted.attached();
         if !self.wanted.colours() && !is_textured {
             return;
         }
@@ -321,17 +314,14 @@ impl BackwardSweep<'_> {
         let lanes = vertices.hit & !vertices.kinds.black;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
             let slot_bars = slot_values(&bars.interface, lane);
-            let (scene, geometry) = (tracer.scene, tracer.geometry);
             let (triangle, at) = (vertices.triangle[lane], [b1[lane], b2[lane]]);
-            tracer
-                .materials
-                .for_each_slot(scene, geometry, triangle, at, |s| {
-                    let bar = slot_bars[s.slot];
-                    sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
-                    for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
-                        sum[lane] += by.dot(bar);
-                    }
-                });
+            view.for_each_slot(triangle, at, |s| {
+                let bar = slot_bars[s.slot];
+                sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
+                for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
+                    sum[lane] += by.dot(bar);
+                }
+            });
         }
         bars.b = b_bar.map(Lane::new);
     }

@@ -12,7 +12,8 @@ use crate::lanes::{Dual, Lane, Mask, Real, V3};
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::texture::Lookup;
 use crate::scene::Rgb;
 
 pub(crate) type D = Dual<Lane>;
@@ -171,23 +172,12 @@ impl<'a> ForwardSweep<'a> {
     }
 
     fn interface(&self, here: &MovingVertex) -> Interface<D> {
-        let tracer = self.view;
-        let (triangle, kinds) = (&here.vertices.triangle, &here.vertices.kinds);
         let b = here.b.map(|b| b.value);
         let db = here.b.map(|b| b.tangent);
-        let (scene, geometry) = (tracer.scene, tracer.geometry);
-        let value = tracer
-            .materials
-            .interface(scene, geometry, triangle, kinds, b);
-        let tangent = tracer.materials.interface_tangent(
-            scene,
-            geometry,
-            triangle,
-            kinds,
-            b,
-            db,
-            |t, found| self.motion.texture(t, found),
-        );
+        let view = self.view;
+        let value = view.interface(here.vertices, b);
+        let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+        let tangent = view.interface_change(here.vertices, b, db, change);
         Interface {
             colour: dual_vector(value.colour, tangent.colour),
             second: dual_vector(value.second, tangent.second),
@@ -203,15 +193,7 @@ impl<'a> ForwardSweep<'a> {
     /// What a rough plastic lets through toward directions at cosine `cos_out`.
     fn transmission(&self, here: &MovingVertex, cos_out: Lane) -> RoughTransmission<D> {
         let n = value_of(here.n);
-        let cos_in = -(here.vertices.direction.normalize().dot(n));
-        let t = self.view.materials.transmission(
-            self.view.scene,
-            self.view.geometry,
-            &here.vertices.triangle,
-            &here.vertices.kinds,
-            cos_in,
-            cos_out,
-        );
+        let t = self.view.transmission(here.vertices, n, cos_out);
         t.map(constant)
     }
 

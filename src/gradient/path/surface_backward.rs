@@ -39,13 +39,7 @@ impl BackwardSweep<'_> {
         } else {
             raw_n
         };
-        let tracer = self.view;
-        let interface = (special != 0).then(|| {
-            let (triangle, kinds) = (&vertices.triangle, &vertices.kinds);
-            tracer
-                .materials
-                .interface(tracer.scene, geometry, triangle, kinds, [b1, b2])
-        });
+        let interface = (special != 0).then(|| self.view.interface(vertices, [b1, b2]));
         Some(Solved {
             vertices,
             t,

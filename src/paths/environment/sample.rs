@@ -9,7 +9,7 @@ use crate::paths::environment::distribution::Sky;
 use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{SkySample, Vertices};
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::vertex::Surface;
 use crate::scene::Environment;
 use glam::Vec3;

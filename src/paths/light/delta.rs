@@ -6,7 +6,7 @@ use crate::lanes::{Lane, Real, V3};
 use crate::paths::rays::{RayPacket, SHADOW_FAR, lane_mask, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::vertex::Surface;
 use crate::scene::{DeltaLight, DeltaLightKind};
 use glam::Vec3;

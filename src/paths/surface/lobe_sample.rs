@@ -112,7 +112,7 @@ impl SceneView<'_> {
             vertices.direction,
             local,
             *interface,
-            self.transmission(vertices, surface, local.z),
+            self.transmission(vertices, surface.n, local.z),
             vertices.lobes.masks(),
             vertices.kinds.masks(),
         );

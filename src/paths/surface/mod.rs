@@ -1,5 +1,7 @@
 //! Surfaces: where rays end, what is there, and where paths go on.
 
+pub mod interface;
+pub mod kinds;
 pub mod lobe_sample;
 pub mod materials;
 pub mod microfacet_sample;

@@ -1,13 +1,13 @@
 //! Where rays end: positions, normals, and what is there.
 
-use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_evaluate, consistent_normal};
+use crate::kernels::bsdf::{Interface, bsdf_evaluate, consistent_normal};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -42,25 +42,14 @@ impl SceneView<'_> {
         let side = -(geometric.dot(d).signum());
         vertices.facing = side * (n.dot(geometric).signum());
         n = n * vertices.facing;
-        vertices.kinds = self.materials.kinds(
-            self.scene,
-            self.geometry,
-            &vertices.triangle,
-            vertices.facing,
-        );
+        vertices.kinds = self.kinds(&vertices.triangle, vertices.facing);
         let special = vertices.kinds.special();
         if special & smooth != 0 {
             n = V3::select(lane_mask(special & smooth), consistent_normal(n, d), n);
         }
         let b = [b1, b2];
         let interface = if special != 0 || self.materials.any_texture {
-            let interface = self.materials.interface(
-                self.scene,
-                self.geometry,
-                &vertices.triangle,
-                &vertices.kinds,
-                b,
-            );
+            let interface = self.interface(vertices, b);
             vertices.colour = interface.colour;
             (special != 0).then_some(interface)
         } else {
@@ -121,24 +110,6 @@ impl SceneView<'_> {
         lane_of(vertices.direction, lane).dot((q - p).cross(r - p)) < 0.0
     }
 
-    /// What rough plastics let through on the way to directions at cosine `cos_out`.
-    pub fn transmission(
-        &self,
-        vertices: &Vertices,
-        surface: &Surface,
-        cos_out: Lane,
-    ) -> RoughTransmission<Lane> {
-        let cos_in = -(vertices.direction.normalize().dot(surface.n));
-        self.materials.transmission(
-            self.scene,
-            self.geometry,
-            &vertices.triangle,
-            &vertices.kinds,
-            cos_in,
-            cos_out,
-        )
-    }
-
     /// π times the BSDF for light of this kind that arrives along `w`.
     pub fn bsdf_evaluate(
         &self,
@@ -157,7 +128,7 @@ impl SceneView<'_> {
             vertices.direction,
             w,
             *interface,
-            self.transmission(vertices, surface, cos_out),
+            self.transmission(vertices, surface.n, cos_out),
             vertices.kinds.masks(),
             lane_mask(lobes),
         );

@@ -5,7 +5,7 @@ use common::swatch::{Swatch, bare, with_facets};
 use glam::{DVec3, dvec3};
 use warpath::lanes::{LANES, Lane, V3};
 use warpath::paths::rays::lane_of;
-use warpath::paths::surface::materials::LightKind;
+use warpath::paths::surface::kinds::LightKind;
 use warpath::scene::Distribution::{self, Beckmann, Ggx};
 
 /// From the least that scenes may ask for.

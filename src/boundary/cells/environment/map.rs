@@ -16,7 +16,7 @@ use crate::paths::environment::distribution::{Sky, SkyLine};
 use crate::paths::moving::Sector;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
-use crate::paths::surface::materials::LightKind;
+use crate::paths::surface::kinds::LightKind;
 use crate::scene::Environment;
 use glam::{DVec3, Vec3};
 use std::f64::consts::FRAC_1_PI;

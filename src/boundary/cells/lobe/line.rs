@@ -18,8 +18,8 @@ use crate::paths::at::At;
 use crate::paths::moving::Sector;
 use crate::paths::rays::lane_of;
 use crate::paths::store::Vertices;
+use crate::paths::surface::interface::interface_of_lane;
 use crate::paths::surface::lobe_sample::{View, frame_of_lane};
-use crate::paths::surface::materials::interface_of_lane;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
@@ -131,7 +131,7 @@ impl<'a> LaneSurface<'a> {
             surface,
             ..
         } = *self.at;
-        let all = view.transmission(vertices, surface, Lane::splat(cos_out as f32));
+        let all = view.transmission(vertices, surface.n, Lane::splat(cos_out as f32));
         self.transmission = Some(all.map(|x| f64::from(x.to_array()[self.lane])));
     }
 
