@@ -5,7 +5,8 @@ mod read;
 pub(super) use read::floats;
 pub use read::{Array, ArrayFile, decode, read};
 
-use super::{FileError, atomic};
+use super::atomic;
+use super::error::FileError;
 use crate::picture::Image;
 use std::io::{self, Write};
 use std::path::Path;

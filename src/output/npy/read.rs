@@ -1,7 +1,7 @@
 //! Arrays of 32- and 64-bit floats and integers, of either byte and axis order; what the header says is known before the
 //! numbers are read.
 
-use super::super::FileError;
+use super::super::error::FileError;
 use crate::files::Regular;
 use crate::room::{self, NoRoom};
 use std::io::{self, Read};
