@@ -47,7 +47,7 @@ impl Stream {
     }
 
     /// Waits for the next line for a while.
-    pub fn next(&mut self) -> Next {
+    pub fn wait(&mut self) -> Next {
         match self.lines.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
                 self.number += 1;

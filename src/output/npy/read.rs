@@ -2,7 +2,7 @@
 //! numbers are read.
 
 use super::super::error::FileError;
-use super::shape::tuple;
+use super::shape;
 use crate::files::Regular;
 use crate::room::{self, NoRoom};
 use std::io::{self, Read};
@@ -165,7 +165,7 @@ impl Header {
             }),
             _ => Err(format!(
                 "its {data} bytes of data are not what shape {} needs",
-                tuple(&shape)
+                shape::tuple(&shape)
             )),
         }
     }
