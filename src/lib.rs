@@ -1,7 +1,9 @@
 //! Warpath: gradients of path-traced images on the CPU, through visibility.
 //!
 //! Data flows one way, and a test holds the modules to it:
-//! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint → discontinuity → paths → boundary → gradient → methods → output → jobs → bench → batch → cli`.
+//! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint →
+//! discontinuity → paths → gradient and boundary, which do not know each other → methods →
+//! output → jobs → bench → batch → cli`.
 
 pub mod adjoint;
 pub mod batch;

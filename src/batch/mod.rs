@@ -8,3 +8,4 @@ pub mod results;
 pub mod run;
 pub mod samples;
 pub mod scenes;
+pub mod shard_folders;

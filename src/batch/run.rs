@@ -58,7 +58,7 @@ pub fn of_stream(
     let skipped = AtomicU64::new(0);
     let next = || {
         while !batch.is_stopped() {
-            match locked(&lines).next() {
+            match locked(&lines).wait() {
                 Next::Line(Entry::Run(line)) => return Some(line),
                 Next::Line(Entry::Done(text)) => {
                     skipped.fetch_add(1, Ordering::Relaxed);

@@ -1,20 +1,18 @@
 //! `warpath check`: forward, backward and finite differences against each other.
 
 use super::arguments::CheckArguments;
+use super::check_results::{conclude, write_images};
 use super::exit::Failure;
 use super::pace::{Kind, Pace};
 use super::session::{self, Session};
-use super::verdict::{Circumstances, Outcome, SIGNIFICANT, Transposition, Verdict, judge};
+use super::verdict::{Circumstances, Outcome, SIGNIFICANT, Transposition, judge};
 use crate::jobs::direction::{self, Direction};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
-use crate::output::{atomic, chart, exr};
 use crate::scene::Filter;
 use crate::scene::parameters::{self, Parameter};
-use crate::statistics::comparison::{Comparison, Excess, z_scores};
+use crate::statistics::comparison::Comparison;
 use crate::statistics::replicates::Replicates;
-use serde_json::json;
 use std::ffi::OsString;
-use std::io::Write;
 use std::time::Instant;
 
 /// Independent runs of either side: a few groups of samples in one run are too few to trust error bars from.
@@ -286,39 +284,6 @@ fn stderr(forward: &ForwardGradient) -> Result<&Image, Failure> {
     })
 }
 
-/// Writes and prints what was found.
-fn conclude(
-    mut session: Session,
-    verdict: &Verdict,
-    transposition: &Transposition,
-    comparison: &Comparison,
-    tolerance: f64,
-) -> Result<(), Failure> {
-    for doubt in &verdict.doubts {
-        session.warn(doubt.clone());
-    }
-    let found = json!({
-        "verdict": verdict,
-        "tolerance": tolerance,
-        "forward_against_backward": transposition,
-        "forward_against_fd": comparison,
-    });
-    let text = format!("{found:#}\n");
-    session.write("check.json", |path| {
-        atomic::write(path, |file| file.write_all(text.as_bytes()))
-    })?;
-    session.report.results.insert("check".into(), found);
-    if !session.prints_json() {
-        print(transposition, comparison, verdict)?;
-    }
-    session.close()?;
-    match verdict.outcome {
-        Outcome::Agrees => Ok(()),
-        Outcome::Disagrees => Err(Failure::Disagreement(verdict.complaints.join("\n"))),
-        Outcome::CannotTell => Err(Failure::Unsure(verdict.summary.clone())),
-    }
-}
-
 /// The first is the user's own.
 fn nth_seed(seed: u64, n: usize) -> u64 {
     seed.wrapping_add((n as u64).wrapping_mul(SEED_STEP))
@@ -357,63 +322,4 @@ fn smooth_image(width: usize, height: usize, seed: u64) -> Image {
         height,
         pixels,
     }
-}
-
-/// One scale for the two gradients, so that equal colours are equal numbers.
-fn write_images(
-    session: &mut Session,
-    tested: &Replicates,
-    reference: &Replicates,
-) -> Result<(), Failure> {
-    let z = z_scores(tested, reference);
-    let (tested, reference) = (tested.mean(), reference.mean());
-    let scale = chart::robust_scale(&reference).max(chart::robust_scale(&tested));
-    session.write("forward.exr", |path| exr::write(path, &tested))?;
-    session.write("forward.png", |path| chart::write(path, &tested, scale))?;
-    session.write("fd.exr", |path| exr::write(path, &reference))?;
-    session.write("fd.png", |path| chart::write(path, &reference, scale))?;
-    session.write("z.exr", |path| exr::write(path, &z))?;
-    session.write("z.png", |path| chart::write(path, &z, SIGNIFICANT as f32))
-}
-
-fn print(t: &Transposition, c: &Comparison, verdict: &Verdict) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    writeln!(
-        out,
-        "forward against backward: {:.7e}, {:.7e}: {:.1e} apart",
-        t.forward, t.backward, t.relative_difference
-    )?;
-    // Without a signal nothing is relative to it.
-    let bias = match c.reference_is_significant {
-        true => format!(
-            "{:+.2} % ± {:.2} %",
-            100.0 * c.relative_bias,
-            100.0 * c.relative_bias_se
-        ),
-        false => "unknown".into(),
-    };
-    let unexplained = |excess: &Excess| match excess.relative_rms.is_finite() {
-        true => format!("{:.2} %", 100.0 * excess.relative_rms),
-        false => "unknown".into(),
-    };
-    writeln!(
-        out,
-        "forward against fd:       bias {bias}; unexplained over blocks {} ({:.1} se), in pixels {} ({:.1} se); \
-         chi²/N {:.2}, beyond 4 se {:.2} %; runs {} and {}",
-        unexplained(&c.blocks),
-        c.blocks.significance,
-        unexplained(&c.pixels),
-        c.pixels.significance,
-        c.chi2_per_number,
-        100.0 * c.share_beyond_4,
-        c.tested_runs,
-        c.reference_runs,
-    )?;
-    match verdict.outcome {
-        Outcome::Agrees => writeln!(out, "{}", verdict.summary)?,
-        // The error on stderr says why.
-        Outcome::Disagrees => writeln!(out, "they disagree")?,
-        Outcome::CannotTell => writeln!(out, "cannot tell")?,
-    }
-    Ok(out.flush()?)
 }

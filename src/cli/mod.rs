@@ -6,6 +6,7 @@ mod batch;
 mod batch_progress;
 mod bench;
 mod check;
+mod check_results;
 mod completions;
 mod exit;
 mod forward;

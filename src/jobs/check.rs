@@ -78,13 +78,15 @@ fn check_objective(job: &Job) -> Result<(), Failure> {
         (Some(_), Some(_), _) => return refuse("give either an adjoint or a target"),
         (None, None, _) => return refuse("backward needs an adjoint or a target"),
     }
-    match job.method {
-        Some(method) if !method.has_reverse_mode() => refuse(format!(
+    if let Some(method) = job.method
+        && !method.has_reverse_mode()
+    {
+        return refuse(format!(
             "method: {} has no reverse mode; use forward",
             method.name()
-        )),
-        _ => Ok(()),
+        ));
     }
+    Ok(())
 }
 
 fn check_outputs(job: &Job) -> Result<(), Failure> {

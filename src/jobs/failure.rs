@@ -90,7 +90,7 @@ impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         match error.kind() {
             std::io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
-            _ => Failure::System(format!("stdout: {}", crate::output::atomic::plain(&error))),
+            _ => Failure::System(format!("stdout: {}", crate::output::plain(&error))),
         }
     }
 }

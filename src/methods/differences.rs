@@ -97,7 +97,7 @@ impl Sums {
         };
         let estimates = |of: fn(Estimate) -> f64| {
             let number = |i: usize, c: usize| {
-                of(Estimate::mean(self.groups.iter().map(move |g| g[i][c]))) as f32
+                of(Estimate::mean_of(self.groups.iter().map(move |g| g[i][c]))) as f32
             };
             let pixels = 0..width * height;
             image(pixels.map(|i| from_fn(|c| number(i, c))).collect())

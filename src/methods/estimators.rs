@@ -1,7 +1,10 @@
 //! Which methods there are, and what each can do.
 //!
-//! Everything else asks for an ability and never for a name: a method that is added here is known to jobs, batches,
-//! refusals and the command line. What estimators of boundaries declare of themselves belongs in the same table.
+//! Everything else asks for an ability and never for a name. A method that is added here is known to
+//! jobs, batches, refusals and the command line.
+//!
+//! What an estimator of boundaries declares of itself (the discontinuities it finds, and whether it
+//! has a reverse mode) belongs in the rows of [`ESTIMATORS`], with the estimator itself beside it.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -62,10 +65,11 @@ pub enum Discontinuity {
 /// How a gradient is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Stored paths are differentiated, forwards or backwards. Any of the samples can be differentiated apart.
+    /// Stored paths are differentiated, forwards or backwards. Any of the samples can be
+    /// differentiated apart.
     Paths,
-    /// Images of scenes that are displaced along one direction are compared: there is no reverse mode, and each image
-    /// needs all the samples.
+    /// Images of scenes that are displaced along one direction are compared. There is no reverse
+    /// mode, and each image needs all the samples.
     Images,
 }
 

@@ -31,8 +31,8 @@ impl Lease {
 /// Counts the memory of a structure at rest for as long as it is kept.
 pub type Keep = Box<dyn Any + Send>;
 
-/// The structures of one scene that are at rest. Their hierarchy is always that of the scene as it was loaded, so that
-/// what rays hit does not depend on what was traced before.
+/// The structures of one scene that are at rest. Their hierarchy is always that of the scene as it
+/// was loaded, so that what rays hit does not depend on what was traced before.
 pub struct Followers {
     backend: Backend,
     tightness: OnceLock<Tightness>,
@@ -54,8 +54,8 @@ impl Followers {
         }
     }
 
-    /// A structure over `moved`, the scene `base` with other vertices: refitted, or built anew where boxes would get
-    /// loose.
+    /// A structure over `moved`, the scene `base` with other vertices: refitted, or built anew where
+    /// boxes would get loose.
     pub fn follow(
         &self,
         base: &Scene,

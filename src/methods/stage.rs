@@ -208,7 +208,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// The sensor with the film that is asked for, refusing what is beyond single precision or the sampling of films.
+/// The sensor with the film that is asked for. What is beyond single precision, or beyond the
+/// sampling of films, is refused.
 fn sensor(scene: &Scene, settings: &Settings) -> Result<Sensor, EngineError> {
     let mut sensor = scene.sensors[settings.sensor].clone();
     if let Some([width, height]) = settings.resolution {

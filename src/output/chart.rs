@@ -1,7 +1,8 @@
 //! Gradient images as pictures: a diverging colour map symmetric about zero, with its scale in the picture.
 
 use super::colormap::diverging;
-use super::{FileError, glyphs, png};
+use super::error::FileError;
+use super::{glyphs, png};
 use crate::picture::Image;
 use std::path::Path;
 

@@ -1,6 +1,7 @@
 //! OpenEXR images of 32-bit float RGB are written.
 
-use super::{FileError, atomic};
+use super::atomic;
+use super::error::FileError;
 use crate::picture::Image;
 use exr::prelude::*;
 use std::io::{Cursor, Write};

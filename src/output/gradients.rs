@@ -36,7 +36,7 @@ pub fn of_groups(
     };
     let numbers = groups.first().map_or(0, Vec::len);
     let estimates: Vec<Estimate> = (0..numbers)
-        .map(|i| Estimate::mean(groups.iter().map(move |group| f64::from(group[i]))))
+        .map(|i| Estimate::mean_of(groups.iter().map(move |group| f64::from(group[i]))))
         .collect();
     let values = estimates.iter().map(|e| e.value as f32).collect();
     let mut tensors = vec![tensor(name.into(), values)];

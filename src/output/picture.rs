@@ -1,6 +1,6 @@
 //! A user's picture, whatever its format.
 
-use super::FileError;
+use super::error::FileError;
 use super::npy::{self, Array, ArrayFile};
 use crate::files::Regular;
 use crate::picture::Image;

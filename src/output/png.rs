@@ -1,6 +1,7 @@
 //! PNG: eight bits a channel, for looking at.
 
-use super::{FileError, atomic};
+use super::atomic;
+use super::error::FileError;
 use crate::picture::Image;
 use std::io::Write;
 use std::path::Path;

@@ -1,7 +1,8 @@
 //! The files of each kind of result: one list for a command run alone and for a job of a batch.
 
+use super::error::FileError;
 use super::tensors::{self, Tensor};
-use super::{FileError, chart, exr, npy, png};
+use super::{chart, exr, npy, png};
 use crate::methods::ForwardGradient;
 use crate::picture::Image;
 use std::path::Path;

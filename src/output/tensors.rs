@@ -1,6 +1,7 @@
 //! Named gradients: safetensors for machine learning, npz for NumPy.
 
-use super::{FileError, atomic, npy};
+use super::error::FileError;
+use super::{atomic, npy};
 use crate::files::Regular;
 use safetensors::tensor::{Dtype, Metadata, TensorInfo, TensorView};
 use std::io::{self, Cursor, Write};

@@ -1,7 +1,5 @@
 //! The mean of independent numbers, and how sure it is.
 
-use std::borrow::Borrow;
-
 /// A number and its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -11,8 +9,12 @@ pub struct Estimate {
 
 impl Estimate {
     /// The mean of independent, equally weighted numbers. The error of one alone is not a number.
-    pub fn mean<N: Borrow<f64>>(numbers: impl IntoIterator<Item = N, IntoIter: Clone>) -> Self {
-        let numbers = numbers.into_iter().map(|x| *x.borrow());
+    pub fn mean(numbers: &[f64]) -> Self {
+        Self::mean_of(numbers.iter().copied())
+    }
+
+    /// The same, of numbers that are in no one place.
+    pub fn mean_of(numbers: impl Iterator<Item = f64> + Clone) -> Self {
         let n = numbers.clone().count() as f64;
         let value = numbers.clone().sum::<f64>() / n;
         let squares = numbers.map(|x| (x - value).powi(2)).sum();
@@ -39,10 +41,10 @@ mod tests {
 
     #[test]
     fn the_standard_error_is_that_of_the_mean() {
-        let estimate = Estimate::mean((0..16).map(f64::from));
+        let estimate = Estimate::mean_of((0..16).map(f64::from));
         assert_eq!(estimate.value, 7.5);
         assert!((estimate.error - 340f64.sqrt() / 15f64.sqrt() / 4.0).abs() < 1e-15);
-        assert_eq!(Estimate::mean([3.0; 4]).error, 0.0);
-        assert!(Estimate::mean([3.0]).error.is_nan());
+        assert_eq!(Estimate::mean(&[3.0; 4]).error, 0.0);
+        assert!(Estimate::mean(&[3.0]).error.is_nan());
     }
 }

@@ -75,7 +75,7 @@ impl Replicates {
     /// Mean and standard error of every block and channel, the errors from the scatter of the runs.
     pub fn block_means(&self) -> impl Iterator<Item = Estimate> {
         (0..3 * self.block_count())
-            .map(|b| Estimate::mean(self.blocks.iter().map(move |run| run[b])))
+            .map(|b| Estimate::mean_of(self.blocks.iter().map(move |run| run[b])))
     }
 
     /// The mean.

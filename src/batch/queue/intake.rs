@@ -25,7 +25,7 @@ impl JobFile {
     /// Looks at all lines of `path`, and keeps those of `shard`.
     pub fn read(path: &Path, shard: Option<Shard>, earlier: Earlier) -> Result<Self, Failure> {
         let text = std::fs::read(path).map_err(|error| {
-            let what = crate::output::atomic::plain(&error);
+            let what = crate::output::plain(&error);
             let what = format!("{}: {what}", path.display());
             match error.kind() {
                 std::io::ErrorKind::NotFound | std::io::ErrorKind::IsADirectory => {

@@ -2,7 +2,7 @@
 
 use super::register::{Entry, Line, Register};
 use crate::jobs::failure::Failure;
-use crate::output::atomic;
+use crate::output::plain;
 use std::io::BufRead;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
@@ -47,7 +47,7 @@ impl Stream {
     }
 
     /// Waits for the next line for a while.
-    pub fn next(&mut self) -> Next {
+    pub fn wait(&mut self) -> Next {
         match self.lines.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
                 self.number += 1;
@@ -58,7 +58,7 @@ impl Stream {
                 }
             }
             Ok(Err(error)) => {
-                let what = atomic::plain(&error);
+                let what = plain(&error);
                 Next::Failed(Failure::System(format!("standard input: {what}")))
             }
             Err(RecvTimeoutError::Timeout) => Next::NotYet,

@@ -4,7 +4,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::id::{MANIFEST, REPORT, RESULTS};
 use crate::output::results::ResultFile;
 use crate::output::unfinished::Unfinished;
-use crate::output::{FileError, atomic};
+use crate::output::{FileError, atomic, plain};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -128,7 +128,7 @@ fn remove(folder: &Path) -> Result<(), Failure> {
 
 fn failed(path: &Path) -> impl Fn(std::io::Error) -> Failure + '_ {
     move |error| {
-        let what = format!("cannot be written: {}", atomic::plain(&error));
+        let what = format!("cannot be written: {}", plain(&error));
         FileError::io(path, what).into()
     }
 }

@@ -4,7 +4,7 @@ use super::folder;
 use super::line::ResultLine;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::RESULTS;
-use crate::output::{FileError, atomic};
+use crate::output::{FileError, atomic, plain};
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
@@ -53,7 +53,7 @@ impl Journal {
         let text = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(FileError::io(&path, atomic::plain(&error)).into()),
+            Err(error) => return Err(FileError::io(&path, plain(&error)).into()),
         };
         if !resume && !text.is_empty() {
             return Err(Failure::Usage(format!(
@@ -88,7 +88,7 @@ impl Found {
             .create(true)
             .append(true)
             .open(&self.path);
-        let file = open.map_err(|error| FileError::io(&self.path, atomic::plain(&error)))?;
+        let file = open.map_err(|error| FileError::io(&self.path, plain(&error)))?;
         atomic::sync_directory(&self.directory)?;
         Ok(Journal {
             path: self.path,
@@ -115,7 +115,7 @@ impl Journal {
             Err(error) => {
                 // Half a line would be dropped on resuming all the same; the error of the write is the one to tell.
                 let _ = self.file.set_len(self.length);
-                let what = format!("cannot be written: {}", atomic::plain(&error));
+                let what = format!("cannot be written: {}", plain(&error));
                 Err(FileError::io(&self.path, what).into())
             }
         }
@@ -156,8 +156,7 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Earlier, Failure> {
 }
 
 fn lock(directory: &Path) -> Result<File, Failure> {
-    let file =
-        File::open(directory).map_err(|error| FileError::io(directory, atomic::plain(&error)))?;
+    let file = File::open(directory).map_err(|error| FileError::io(directory, plain(&error)))?;
     match file.try_lock() {
         Err(fs::TryLockError::WouldBlock) => Err(Failure::System(format!(
             "{}: another batch is writing there",

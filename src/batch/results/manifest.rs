@@ -2,7 +2,7 @@
 
 use crate::jobs::failure::Failure;
 use crate::jobs::id::MANIFEST;
-use crate::output::{FileError, atomic};
+use crate::output::{FileError, atomic, plain};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -49,8 +49,8 @@ impl Manifest {
     /// Reads that of a folder.
     pub fn read(directory: &Path) -> Result<Self, Failure> {
         let path = directory.join(MANIFEST);
-        let text = std::fs::read(&path)
-            .map_err(|error| FileError::contents(&path, atomic::plain(&error)))?;
+        let text =
+            std::fs::read(&path).map_err(|error| FileError::contents(&path, plain(&error)))?;
         serde_json::from_slice(&text)
             .map_err(|error| FileError::contents(&path, format!("not a batch's: {error}")).into())
     }

@@ -1,6 +1,7 @@
-//! Who holds how much memory: scenes, which go when nobody uses them and others need the room, and jobs.
+//! Who holds how much memory: scenes and jobs.
 //!
-//! What a scene is made of is nothing to the ledger: it counts its bytes and knows whether it is in use.
+//! Scenes go when nobody uses them and others need the room. What a scene is made of is nothing to
+//! the ledger: it counts its bytes and knows whether it is in use.
 
 use super::key::SceneKey;
 use crate::jobs::failure::Failure;

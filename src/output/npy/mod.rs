@@ -1,11 +1,14 @@
 //! NumPy arrays: little-endian 32-bit floats are written, a little more is read, strictly.
 
 mod read;
+mod shape;
 
 pub(super) use read::floats;
 pub use read::{Array, ArrayFile, decode, read};
+pub use shape::tuple;
 
-use super::{FileError, atomic};
+use super::atomic;
+use super::error::FileError;
 use crate::picture::Image;
 use std::io::{self, Write};
 use std::path::Path;
@@ -47,19 +50,4 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), FileError> {
         &[image.height, image.width, 3],
         image.pixels.iter().flatten().copied(),
     )
-}
-
-/// A shape as NumPy prints it.
-pub fn tuple(shape: &[usize]) -> String {
-    match shape {
-        [only] => format!("({only},)"),
-        _ => format!(
-            "({})",
-            shape
-                .iter()
-                .map(usize::to_string)
-                .collect::<Vec<_>>()
-                .join(", ")
-        ),
-    }
 }

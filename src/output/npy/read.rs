@@ -1,7 +1,8 @@
 //! Arrays of 32- and 64-bit floats and integers, of either byte and axis order; what the header says is known before the
 //! numbers are read.
 
-use super::super::FileError;
+use super::super::error::FileError;
+use super::shape;
 use crate::files::Regular;
 use crate::room::{self, NoRoom};
 use std::io::{self, Read};
@@ -164,7 +165,7 @@ impl Header {
             }),
             _ => Err(format!(
                 "its {data} bytes of data are not what shape {} needs",
-                super::tuple(&shape)
+                shape::tuple(&shape)
             )),
         }
     }
