@@ -49,8 +49,11 @@ pub fn backward(
         mut statistics,
     } = evaluate(prepared, settings, objective, progress)?;
     let magnitude = to_unit_magnitude(&mut adjoint);
-    let visibility = settings.method.looks_for_discontinuities() && request.moves_edges(scene);
-    let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
+    let boundary = settings
+        .method
+        .boundary()
+        .filter(|_| request.moves_edges(scene));
+    let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(request);
     check_size(&adjoint, stage.size)?;
     let wanted = Wanted::new(scene, request);

@@ -2,6 +2,7 @@
 
 use super::differences;
 use super::error::EngineError;
+use super::estimators::MakeBoundary;
 use super::objective::{self, Evaluation, Objective};
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -76,12 +77,23 @@ impl Prepared<'_> {
         if settings.method.displaces_scenes() {
             return differences::forward(self.scene, &self.workers, settings, direction, progress);
         }
+        self.forward_by(settings, direction, settings.method.boundary(), progress)
+    }
+
+    /// The same by stored paths, with the boundary terms that an estimator of one's own finds.
+    pub fn forward_by(
+        &self,
+        settings: &Settings,
+        direction: &[(Parameter, Vec<f32>)],
+        boundary: Option<MakeBoundary>,
+        progress: &dyn Progress,
+    ) -> Result<ForwardGradient, EngineError> {
         let named: Vec<(&str, &[f32])> = direction
             .iter()
             .map(|(p, v)| (p.key.as_str(), v.as_slice()))
             .collect();
         let tangent = parameters::tangent(self.scene, &named, settings.sensor)?;
-        super::forward::forward(self, settings, &tangent, progress)
+        super::forward::forward(self, settings, &tangent, boundary, progress)
     }
 
     /// The value of an objective and its derivative by the image.

@@ -6,6 +6,10 @@
 //! What an estimator of boundaries declares of itself (the discontinuities it finds, and whether it
 //! has a reverse mode) belongs in the rows of [`ESTIMATORS`], with the estimator itself beside it.
 
+use crate::boundary::cells::Cells;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::estimator::BoundaryEstimator;
+use crate::paths::moving::Moving;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -34,7 +38,12 @@ pub struct Estimator {
     pub discontinuities: Discontinuities,
     /// How it comes by a gradient.
     pub way: Way,
+    /// What finds the boundary terms along its paths, if anything does.
+    pub boundary: Option<MakeBoundary>,
 }
+
+/// Makes an estimator of boundary terms, from which triangles are neighbours and what moves.
+pub type MakeBoundary = for<'a> fn(&'a Adjacency, &'a Moving) -> Box<dyn BoundaryEstimator + 'a>;
 
 /// What becomes of the discontinuities that parameters move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +94,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
             Discontinuity::SoftShadow,
         ]),
         way: Way::Paths,
+        boundary: Some(|adjacency, moving| Box::new(Cells { adjacency, moving })),
     },
     Estimator {
         method: Method::Interior,
@@ -93,6 +103,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
         about: "Ignores visibility: wrong wherever an edge moves",
         discontinuities: Discontinuities::Ignored,
         way: Way::Paths,
+        boundary: None,
     },
     Estimator {
         method: Method::Fd,
@@ -101,6 +112,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
         about: "Finite differences: the reference",
         discontinuities: Discontinuities::ByDefinition,
         way: Way::Images,
+        boundary: None,
     },
 ];
 
@@ -162,9 +174,9 @@ impl Method {
         self.estimator().discontinuities == Discontinuities::Ignored
     }
 
-    /// Whether it looks for discontinuities along the paths.
-    pub fn looks_for_discontinuities(self) -> bool {
-        matches!(self.estimator().discontinuities, Discontinuities::Found(_))
+    /// What finds the boundary terms along its paths.
+    pub fn boundary(self) -> Option<MakeBoundary> {
+        self.estimator().boundary
     }
 
     /// Whether its gradients miss discontinuities of this kind though it looks for others.
@@ -188,6 +200,8 @@ mod tests {
             // As jobs spell it.
             let text = format!("\"{}\"", row.name);
             assert_eq!(serde_json::from_str::<Method>(&text).ok(), Some(row.method));
+            let finds = matches!(row.discontinuities, Discontinuities::Found(_));
+            assert_eq!(row.boundary.is_some(), finds, "{}", row.name);
         }
         assert!(NOT_BUILT_YET.iter().all(|n| Method::named(n).is_none()));
     }

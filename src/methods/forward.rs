@@ -2,6 +2,7 @@
 
 use super::clock::StageClock;
 use super::error::EngineError;
+use super::estimators::MakeBoundary;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::refusals;
@@ -24,18 +25,19 @@ use crate::paths::store::TileStore;
 use crate::scene::SceneDifferential;
 use std::time::Instant;
 
-/// dI/dθ along `tangent`, with its standard error.
+/// dI/dθ along `tangent`, with its standard error; `boundary` makes what finds the boundary terms.
 pub fn forward(
     prepared: &Prepared,
     settings: &Settings,
     tangent: &SceneDifferential,
+    boundary: Option<MakeBoundary>,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     let scene = prepared.scene;
     refusals::check(scene, tangent, settings.method)?;
-    let visibility = settings.method.looks_for_discontinuities() && tangent.moves_edges(scene);
-    let mut stage = Stage::new(prepared, settings, visibility, &mut statistics)?;
+    let boundary = boundary.filter(|_| tangent.moves_edges(scene));
+    let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(tangent);
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let view = stage.view();

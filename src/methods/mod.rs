@@ -34,7 +34,7 @@ pub use differences::IMAGES as DIFFERENCE_IMAGES;
 pub use dispatch::{backward, forward, render};
 pub use edited::{Base, EditedScene};
 pub use error::EngineError;
-pub use estimators::{Discontinuity, ESTIMATORS, Method, NOT_BUILT_YET};
+pub use estimators::{Discontinuity, ESTIMATORS, MakeBoundary, Method, NOT_BUILT_YET};
 pub use followers::{Followers, Lease};
 pub use groups::{equal_groups, group_count};
 pub use objective::{Evaluation, Objective, inner_product};

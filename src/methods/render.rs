@@ -30,7 +30,7 @@ pub fn render(
         standard_error: false,
         ..settings.clone()
     };
-    let stage = Stage::new(prepared, &settings, false, &mut statistics)?;
+    let stage = Stage::new(prepared, &settings, None, &mut statistics)?;
     let mut images = stage.group_images()?;
     trace(&stage, progress, &mut statistics, |group, block| {
         images.add(group, block)
@@ -46,7 +46,7 @@ pub fn group_images(
     progress: &dyn Progress,
     statistics: &mut Statistics,
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
-    let stage = Stage::new(prepared, settings, false, statistics)?;
+    let stage = Stage::new(prepared, settings, None, statistics)?;
     let pixels = stage.size[0] * stage.size[1];
     let images = (0..stage.groups).map(|_| room::filled([0.0; 3], pixels));
     let mut images = images.collect::<Result<Vec<_>, _>>()?;

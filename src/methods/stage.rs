@@ -1,6 +1,7 @@
 //! What every method sets up for one image: camera, film, groups of samples, and the way through their tiles.
 
 use super::error::EngineError;
+use super::estimators::MakeBoundary;
 use super::group_images::GroupImages;
 use super::parts::Parts;
 use super::prepared::Prepared;
@@ -10,7 +11,6 @@ use super::refusals;
 use super::settings::{Groups, Settings};
 use super::statistics::Statistics;
 use super::workers::Workers;
-use crate::boundary::cells::Cells;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::estimator::{BoundaryEstimator, Interior};
 use crate::paths::film::camera::Camera;
@@ -33,8 +33,7 @@ const TILES_PER_THREAD: usize = 8;
 pub struct Stage<'a> {
     pub scene: &'a Scene,
     pub parts: Parts,
-    /// Whether silhouettes are asked for.
-    pub visibility: bool,
+    boundary: Option<MakeBoundary>,
     moving: Moving,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -49,11 +48,11 @@ pub struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// `visibility`: silhouettes will be asked for.
+    /// `boundary` makes what finds the boundary terms, if they are asked for.
     pub fn new(
         prepared: &Prepared<'a>,
         settings: &Settings,
-        visibility: bool,
+        boundary: Option<MakeBoundary>,
         statistics: &mut Statistics,
     ) -> Result<Self, EngineError> {
         let start = Instant::now();
@@ -65,7 +64,7 @@ impl<'a> Stage<'a> {
         }
         let sensor = sensor(scene, settings)?;
         let film = &sensor.film;
-        if visibility {
+        if boundary.is_some() {
             let pool = &prepared.workers.pool;
             let make = || pool.install(|| Adjacency::new(&parts.geometry));
             parts.adjacency.get_or_init(make);
@@ -85,7 +84,7 @@ impl<'a> Stage<'a> {
         Ok(Self {
             scene,
             parts,
-            visibility,
+            boundary,
             moving: Moving::default(),
             camera: Camera::new(&sensor),
             lattice,
@@ -135,11 +134,8 @@ impl<'a> Stage<'a> {
 
     /// What finds the boundary terms that are asked for.
     pub fn estimator(&self) -> Box<dyn BoundaryEstimator + '_> {
-        match self.parts.adjacency.get() {
-            Some(adjacency) if self.visibility => Box::new(Cells {
-                adjacency,
-                moving: &self.moving,
-            }),
+        match (self.boundary, self.parts.adjacency.get()) {
+            (Some(make), Some(adjacency)) => make(adjacency, &self.moving),
             _ => Box::new(Interior),
         }
     }

@@ -15,6 +15,7 @@ mod last_vertex;
 mod long;
 mod needs;
 mod refusals;
+mod second_estimator;
 mod standard_errors;
 mod transposition;
 mod transposition_ends;
