@@ -2,6 +2,7 @@
 //! what is cited.
 
 mod circles;
+mod dimensions;
 mod foreign;
 mod lengths;
 mod names;
