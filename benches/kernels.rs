@@ -48,13 +48,11 @@ fn all<F: Real>(criterion: &mut Criterion, lanes: usize) {
     });
     let ggx = <F::Mask as Mask>::splat(true);
     let [cos2, sin2, alpha] = [0.7, 0.3, 0.2].map(|x| F::splat(black_box(x)));
-    group.bench_function("facet_density", |bench| {
-        bench.iter(|| kernels::microfacet::facet_density(black_box(cos2), sin2, alpha, ggx))
+    group.bench_function("ndf", |bench| {
+        bench.iter(|| kernels::microfacet::ndf(black_box(cos2), sin2, alpha, ggx))
     });
-    group.bench_function("facet_density_adjoint", |bench| {
-        bench.iter(|| {
-            adjoint::microfacet::facet_density_adjoint(black_box(cos2), sin2, alpha, ggx, one)
-        })
+    group.bench_function("ndf_adjoint", |bench| {
+        bench.iter(|| adjoint::microfacet::ndf_adjoint(black_box(cos2), sin2, alpha, ggx, one))
     });
     group.finish();
 }

@@ -1,4 +1,4 @@
-//! Runs of the cases.
+//! Intervals of the cases.
 
 use crate::Result;
 use crate::cases::Case;

@@ -1,4 +1,4 @@
-//! Runs for a figure; those of references are kept.
+//! Intervals for a figure; those of references are kept.
 
 use crate::Result;
 use crate::figures::{Figure, LEAST_RUNS, Options};

@@ -1,4 +1,4 @@
-//! Runs of the release binary, as a user would start it.
+//! Intervals of the release binary, as a user would start it.
 
 use crate::Result;
 use std::path::{Path, PathBuf};

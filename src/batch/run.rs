@@ -24,7 +24,7 @@ use std::time::Instant;
 /// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads busy.
 const SPARE_JOBS: usize = 2;
 
-/// Runs the jobs of a file.
+/// Intervals the jobs of a file.
 pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
     let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
@@ -117,7 +117,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Runs lines until there are none.
+    /// Intervals lines until there are none.
     fn run(
         &self,
         next: &(dyn Fn() -> Option<Line> + Sync),
@@ -196,7 +196,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Runs a job; `None` if it was interrupted.
+    /// Intervals a job; `None` if it was interrupted.
     fn result_of(&self, line: Line) -> Option<ResultLine> {
         let run = || {
             let progress = JobProgress {

@@ -20,14 +20,14 @@ const ROUNDING: f64 = 1e-9;
 
 /// What a search between a point in one run and a point in another comes to.
 #[derive(Clone, Debug, Default)]
-pub struct Reach {
+pub struct SearchResult {
     pub borders: BTreeSet<usize>,
-    /// Runs within which it looked at what is seen.
+    /// Intervals within which it looked at what is seen.
     pub runs: BTreeSet<usize>,
 }
 
 /// The runs of a line. Number r lies before border r.
-pub struct Runs {
+pub struct Intervals {
     /// Of the borders, increasing, in distances of points.
     pub places: Vec<f64>,
     /// The chance that one more point, drawn independently of all others, falls in each run.
@@ -35,9 +35,9 @@ pub struct Runs {
 }
 
 /// Searches by the runs between which they were made.
-pub type Known = BTreeMap<[usize; 2], Reach>;
+pub type SearchCache = BTreeMap<[usize; 2], SearchResult>;
 
-impl Runs {
+impl Intervals {
     /// With another point that falls before each border with these chances.
     pub fn with_extra(places: Vec<f64>, before: impl Iterator<Item = f64>) -> Self {
         let mut extra: Vec<f64> = before.chain([1.0]).collect();
@@ -95,11 +95,11 @@ impl Runs {
     }
 
     /// The probability of finding a border. `search` is asked what is found between two runs that are not neighbours.
-    pub fn chance_of_border(
+    pub fn inclusion_of_border(
         &self,
         border: usize,
-        known: &mut Known,
-        search: &mut impl FnMut([usize; 2]) -> Reach,
+        known: &mut SearchCache,
+        search: &mut impl FnMut([usize; 2]) -> SearchResult,
     ) -> f64 {
         let mut finds = |pair: [usize; 2]| -> bool {
             pair[1] == pair[0] + 1
@@ -136,10 +136,10 @@ impl Runs {
     /// One over the probability of finding each border of a line on which is seen only whether a light is hidden, as it is not
     /// before the first border if `begins_open`. A search between what is hidden and what is not finds the border next to the
     /// first (`crate::boundary::occlusion`).
-    pub fn weights_of_shadows(&self, begins_open: bool) -> Vec<f64> {
+    pub fn shadow_weights(&self, begins_open: bool) -> Vec<f64> {
         let is_open = |run: usize| begins_open == run.is_multiple_of(2);
         let mut search = |[j, k]: [usize; 2]| {
-            let mut reach = Reach::default();
+            let mut reach = SearchResult::default();
             match [is_open(j), is_open(k)] {
                 [false, true] => reach.borders.insert(j),
                 [true, false] => reach.borders.insert(k - 1),
@@ -147,18 +147,18 @@ impl Runs {
             };
             reach
         };
-        let mut known = Known::new();
+        let mut known = SearchCache::new();
         (0..self.places.len())
-            .map(|border| 1.0 / self.chance_of_border(border, &mut known, &mut search))
+            .map(|border| 1.0 / self.inclusion_of_border(border, &mut known, &mut search))
             .collect()
     }
 
     /// The probability that a search looks at what is seen within a run.
-    pub fn chance_of_run(
+    pub fn inclusion_within(
         &self,
         run: usize,
-        known: &mut Known,
-        search: &mut impl FnMut([usize; 2]) -> Reach,
+        known: &mut SearchCache,
+        search: &mut impl FnMut([usize; 2]) -> SearchResult,
     ) -> f64 {
         let [from, to] = self.ends(run);
         let met = to - from;
@@ -199,7 +199,7 @@ mod tests {
                 extra[borders] = 1.0;
                 (0..borders).for_each(|b| extra[b + 1] -= cut[b]);
             }
-            let runs = Runs {
+            let runs = Intervals {
                 places: places.clone(),
                 extra,
             };
@@ -217,7 +217,7 @@ mod tests {
                     points.sort_by(f64::total_cmp);
                     for pair in points.windows(2) {
                         let [j, k] = [pair[0], pair[1]].map(run_of);
-                        // Runs of even numbers are open.
+                        // Intervals of even numbers are open.
                         match [j % 2, k % 2] {
                             [1, 0] => counted[j] += 1,
                             [0, 1] => counted[k - 1] += 1,
@@ -227,7 +227,7 @@ mod tests {
                 }
             }
             let trials = (SHIFTS * extras.len()) as f64;
-            for (weight, count) in runs.weights_of_shadows(true).into_iter().zip(counted) {
+            for (weight, count) in runs.shadow_weights(true).into_iter().zip(counted) {
                 let expected = count as f64 / trials;
                 assert!(
                     (1.0 / weight - expected).abs() < 4.0 / SHIFTS as f64,

@@ -2,7 +2,7 @@
 //!
 //! Nothing is traced for it: what is seen in each run is known, and walks tell the rest.
 
-use crate::boundary::inclusion::{Known, Reach, Runs};
+use crate::boundary::inclusion::{Intervals, SearchCache, SearchResult};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{HALVINGS, between};
@@ -33,21 +33,21 @@ pub struct Border {
 }
 
 /// The runs of a line, and what is seen in them.
-pub struct LineRuns<'a, L> {
+pub struct InclusionByWalks<'a, L> {
     scene: &'a SearchScene<'a>,
     line: &'a L,
     borders: Vec<Border>,
-    runs: Runs,
-    known: Known,
+    runs: Intervals,
+    known: SearchCache,
 }
 
-impl<'a, L: RayLine> LineRuns<'a, L> {
+impl<'a, L: RayLine> InclusionByWalks<'a, L> {
     /// `borders` in any order, of which `runs` makes runs.
     pub fn new(
         scene: &'a SearchScene<'a>,
         line: &'a L,
         mut borders: Vec<Border>,
-        runs: impl FnOnce(Vec<f64>) -> Runs,
+        runs: impl FnOnce(Vec<f64>) -> Intervals,
     ) -> Self {
         borders.sort_by(|a, b| a.at.total_cmp(&b.at));
         Self {
@@ -55,7 +55,7 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
             line,
             runs: runs(borders.iter().map(|b| b.at).collect()),
             borders,
-            known: Known::new(),
+            known: SearchCache::new(),
         }
     }
 
@@ -65,7 +65,7 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
     }
 
     /// The probability of finding the border `at`, which has been found between the points at `ends`.
-    pub fn chance_of_border(&mut self, at: f64, ends: [f64; 2]) -> f64 {
+    pub fn inclusion_of_border(&mut self, at: f64, ends: [f64; 2]) -> f64 {
         let border = self.run_of(at);
         if self.runs.is_always_found(border) {
             return 1.0;
@@ -75,30 +75,32 @@ impl<'a, L: RayLine> LineRuns<'a, L> {
         let mut search = |pair| self.search(pair);
         let reach = known.entry(pair).or_insert_with(|| search(pair));
         reach.borders.insert(border);
-        let chance = self.runs.chance_of_border(border, &mut known, &mut search);
+        let chance = self
+            .runs
+            .inclusion_of_border(border, &mut known, &mut search);
         self.known = known;
         chance
     }
 
     /// The probability of finding an edge within what is seen at a coordinate.
-    pub fn chance_of_ridge(&mut self, at: f64) -> f64 {
+    pub fn inclusion_of_ridge(&mut self, at: f64) -> f64 {
         let mut known = std::mem::take(&mut self.known);
         let mut search = |pair| self.search(pair);
         let chance = self
             .runs
-            .chance_of_run(self.run_of(at), &mut known, &mut search);
+            .inclusion_within(self.run_of(at), &mut known, &mut search);
         self.known = known;
         chance
     }
 
-    fn search(&self, pair: [usize; 2]) -> Reach {
-        let mut reach = Reach::default();
+    fn search(&self, pair: [usize; 2]) -> SearchResult {
+        let mut reach = SearchResult::default();
         self.look(pair, L::ROUNDS, HALVINGS, &mut reach);
         reach
     }
 
     /// As a search for silhouettes between points in two runs goes, in the rounds and with the halvings that are left.
-    fn look(&self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut Reach) {
+    fn look(&self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut SearchResult) {
         if k <= j || rounds == 0 {
             return;
         }

@@ -19,21 +19,21 @@ pub struct Sides {
     /// Of these, those of which the radiance is wanted; of others only what they see.
     pub wanted: u32,
     /// Lanes beside edges at which only the plane bends (`discontinuity::crossing`).
-    pub bends: u32,
+    pub facet_edges: u32,
 }
 
 impl Sides {
     /// The sides of the boundary with this number.
-    pub fn add(&mut self, number: usize, is_wanted: bool, is_bend: bool) {
+    pub fn add(&mut self, number: usize, is_wanted: bool, is_facet_edge: bool) {
         let sides = 0b11 << (2 * number);
         self.active |= sides;
         self.wanted |= sides * is_wanted as u32;
-        self.bends |= sides * is_bend as u32;
+        self.facet_edges |= sides * is_facet_edge as u32;
     }
 }
 
 /// The radiance and the triangle that each lane sees.
-pub type Seen = (V3<Lane>, [u32; LANES]);
+pub type Probed = (V3<Lane>, [u32; LANES]);
 
 impl SearchScene<'_> {
     /// Radiance along those rays of which it is wanted, and the triangles that all that look meet. No boundaries are sought
@@ -45,7 +45,7 @@ impl SearchScene<'_> {
         stream: &Stream,
         index: &[u32; LANES],
         counts: &mut Counts,
-    ) -> Seen {
+    ) -> Probed {
         let rays = |active: u32| RayPacket {
             active,
             ..start.rays
@@ -61,7 +61,7 @@ impl SearchScene<'_> {
         }
         let start = Start {
             rays: rays(sides.wanted),
-            between_planes: sides.bends,
+            between_planes: sides.facet_edges,
             ..start
         };
         let integrator = Integrator {

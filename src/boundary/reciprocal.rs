@@ -7,7 +7,7 @@
 //! average, P′ being the chance that is known. So 1/P′ + N − M is 1/P on average, and with the same draws for both it is
 //! 1/P′ and has no noise at all unless something else is there.
 
-use crate::boundary::inclusion::Runs;
+use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::{OccluderEnd, PROBE, SurfacePoint, follow_occluders};
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::counts::Counts;
@@ -34,7 +34,7 @@ pub trait ShadowLine {
     fn far(&self) -> f32;
 
     /// The runs between borders at these coordinates, increasing.
-    fn runs(&self, borders: &[f64]) -> Runs;
+    fn runs(&self, borders: &[f64]) -> Intervals;
 }
 
 /// Where a shadow ends, with what that is to be weighed with.
@@ -126,7 +126,7 @@ impl<L: ShadowLine> Shadows<'_, L> {
         };
         let places: Vec<f64> = ends.iter().map(|end| end.at).collect();
         let runs = self.line.runs(&places);
-        let known = runs.weights_of_shadows(first.free < first.hidden);
+        let known = runs.shadow_weights(first.free < first.hidden);
         let weight = |(number, known): (usize, f64)| {
             let stream = stream.branch(Branch::ShadowEnd, [number as u32, 0, 0]);
             known + self.excess(ends, number, &stream, counts)

@@ -21,7 +21,7 @@ pub struct Unresolved;
 pub const HALVINGS: u32 = 10;
 
 /// A part of a cell, from 0 to 1, whose ends see these triangles.
-pub type Part = ([f64; 2], [u32; 2]);
+pub type CellPart = ([f64; 2], [u32; 2]);
 
 /// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that explains them, because both
 /// go on behind something that stands between the rays, a ray between them (`seen`: what it sees) says what that is, and
@@ -30,7 +30,7 @@ pub fn between_halves<T>(
     ends: [u32; 2],
     mut seen: impl FnMut(f64) -> u32,
     mut find: impl FnMut([f64; 2], [u32; 2]) -> Result<T, Unresolved>,
-) -> (Vec<T>, Vec<Part>) {
+) -> (Vec<T>, Vec<CellPart>) {
     let mut found = Vec::new();
     let mut unresolved = Vec::new();
     let mut parts = vec![([0.0, 1.0], ends, 0)];
@@ -65,7 +65,7 @@ pub fn between(
     if a == b {
         return Ok([
             None,
-            choice.and_then(|choice| painted(geometry, arc, a, choice, gap)),
+            choice.and_then(|choice| texture_edge(geometry, arc, a, choice, gap)),
         ]);
     }
     let back = arc.reversed();
@@ -132,15 +132,15 @@ pub fn between(
     Ok([Some(silhouette), ridges.chosen()])
 }
 
-/// A painted line between two rays that see one triangle.
-fn painted(
+/// A texture edge between two rays that see one triangle.
+fn texture_edge(
     geometry: &Geometry,
     arc: &Arc,
     triangle: u32,
     choice: f64,
     gap: f64,
 ) -> Option<Crossing> {
-    if !geometry.has_painted_edges(triangle) {
+    if !geometry.has_texture_edges(triangle) {
         return None;
     }
     let corners = geometry.triangles[triangle as usize];

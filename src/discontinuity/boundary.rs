@@ -32,9 +32,9 @@ pub enum Boundary {
         along: f64,
         line: DVec3,
     },
-    /// A line painted on a triangle through two points that keep their places on it, given by the barycentrics of its second and
+    /// An edge of a texture on a triangle, a line through two points that keep their places on it, given by the barycentrics of its second and
     /// third vertex.
-    Ink {
+    TextureEdge {
         triangle: [u32; 3],
         ends: [[f64; 2]; 2],
     },
@@ -56,7 +56,7 @@ impl Boundary {
                 along,
                 line,
             } => at(a).lerp(at(b), along).cross(line),
-            Boundary::Ink { triangle, ends } => {
+            Boundary::TextureEdge { triangle, ends } => {
                 let [a, b, c] = triangle.map(at);
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
                 p.cross(q)
@@ -79,7 +79,7 @@ impl Boundary {
                 let line = V3::new(F::splat(line.x), F::splat(line.y), F::splat(line.z));
                 edge_side(o, d, at, at + line)
             }
-            Boundary::Ink { triangle, ends } => {
+            Boundary::TextureEdge { triangle, ends } => {
                 let [a, b, c] = triangle.map(&point);
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * F::splat(s) + (c - a) * F::splat(t));
                 edge_side(o, d, p, q)
@@ -133,7 +133,7 @@ impl Boundary {
                 scatter(b, at_bar * along);
                 (dvec3(o_bar), dvec3(d_bar))
             }
-            Boundary::Ink { triangle, ends } => {
+            Boundary::TextureEdge { triangle, ends } => {
                 let [a, b, c] = triangle.map(point);
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
                 let (o_bar, d_bar, p_bar, q_bar) =

@@ -13,7 +13,7 @@ pub enum Kind {
     Ridge,
     /// Shading goes on, but the plane of the triangles does not: below that rays start on the other side of the surface, so
     /// that the part of a lobe that lies between the two planes sees something else.
-    Bend,
+    FacetEdge,
 }
 
 /// A boundary between two rays.
@@ -43,9 +43,9 @@ impl Crossing {
         Self::new(boundary, Kind::Ridge, s)
     }
 
-    /// Whether it lies behind what is seen, if these triangles are seen on its two sides: all but painted lines separate two.
+    /// Whether it lies behind what is seen, if these triangles are seen on its two sides: all but texture edges separate two.
     pub fn is_hidden(&self, seen: [u32; 2]) -> bool {
-        seen[0] == seen[1] && !matches!(self.boundary, Boundary::Ink { .. })
+        seen[0] == seen[1] && !matches!(self.boundary, Boundary::TextureEdge { .. })
     }
 
     /// Whether something ends there.
@@ -116,11 +116,11 @@ impl Reservoir {
     }
 
     /// Offers a bend with this chance; it then stands for as many as it must.
-    pub fn meet_bend(&mut self, crossing: Crossing, chance: f64) {
+    pub fn meet_facet_edge(&mut self, crossing: Crossing, chance: f64) {
         if self.happens(chance) {
             self.meet(Crossing {
                 count: 1.0 / chance,
-                kind: Kind::Bend,
+                kind: Kind::FacetEdge,
                 ..crossing
             });
         }
@@ -168,7 +168,7 @@ mod tests {
             let mut crossings = Reservoir::new((choice as f64 + 0.5) / CHOICES as f64, 0.1);
             for (i, chance) in chances.into_iter().enumerate() {
                 let edge = Boundary::Edge([i as u32; 2]);
-                crossings.meet_bend(Crossing::ridge(edge, i as f64), chance);
+                crossings.meet_facet_edge(Crossing::ridge(edge, i as f64), chance);
             }
             crossings.settle(f64::INFINITY);
             if let Some(Crossing {

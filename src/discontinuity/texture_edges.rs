@@ -1,4 +1,4 @@
-//! Edges that are only painted: where a picture jumps within a triangle, or between two whose texture coordinates do not
+//! Texture edges: where a texture jumps within a triangle, or between two whose texture coordinates do not
 //! continue each other.
 //!
 //! Seen from o along d, the barycentrics of a triangle's point are as wᵢ = d·(pⱼ × pₖ): linear in d up to their sum. A coordinate
@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Lines of one coordinate in one cell and one triangle that are looked at: beyond that the picture is a blur.
 const MOST_LINES: usize = 4096;
 
-/// The painted lines that an arc crosses on a triangle between two of its parameters, in order. `points`: its vertices as
+/// The texture edges that an arc crosses on a triangle between two of its parameters, in order. `points`: its vertices as
 /// seen from the arc's origin.
 pub fn lines(
     geometry: &Geometry,
@@ -52,7 +52,7 @@ pub fn lines(
             let s = from + (to - from) * low / (low - high);
             if let (true, Some(ends)) = (s.is_finite(), across_triangle(height)) {
                 let triangle = corners;
-                found.push((Boundary::Ink { triangle, ends }, s.clamp(from, to)));
+                found.push((Boundary::TextureEdge { triangle, ends }, s.clamp(from, to)));
             }
             k += 1.0;
         }

@@ -115,7 +115,7 @@ struct Walker<'a> {
     normal: DVec3,
     /// Of the mesh, on which a walk stays.
     is_smooth: bool,
-    is_painted: bool,
+    has_texture_edges: bool,
 }
 
 /// A triangle on the way.
@@ -149,7 +149,7 @@ impl<'a> Walker<'a> {
             arc,
             normal: arc.a.cross(arc.b),
             is_smooth: geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize],
-            is_painted: geometry.pattern(start).is_some(),
+            has_texture_edges: geometry.pattern(start).is_some(),
         }
     }
 
@@ -227,7 +227,7 @@ impl<'a> Walker<'a> {
 
     /// Shows the texture edges that the arc crosses on a triangle between two of its parameters.
     fn meet_texture_edges(&self, step: &Step, part: [f64; 2], ridges: &mut Reservoir) {
-        if self.is_painted && ridges.is_open() {
+        if self.has_texture_edges && ridges.is_open() {
             for (line, s) in
                 texture_edges::lines(self.geometry, step.triangle, step.points, self.arc, part)
             {
@@ -250,11 +250,12 @@ impl<'a> Walker<'a> {
         let bend = bend(here.points, there.points);
         if (bend > FLAT && !self.is_smooth)
             || (self.is_smooth && is_torn(geometry, triangle, corner, across))
-            || (self.is_painted && texture_edges::is_seam(geometry, triangle, corner, across))
+            || (self.has_texture_edges
+                && texture_edges::is_seam(geometry, triangle, corner, across))
         {
             ridges.meet(ridge);
         } else if bend > FLAT {
-            ridges.meet_bend(ridge, (bend / COARSE).min(1.0));
+            ridges.meet_facet_edge(ridge, (bend / COARSE).min(1.0));
         }
     }
 }

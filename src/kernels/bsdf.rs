@@ -8,16 +8,16 @@
 
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::fresnel::{fresnel_conductor, fresnel_dielectric, inner_reflectance};
-use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
+use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use crate::lanes::{Real, V3};
 
 /// What a surface is made of where a path meets it.
 #[derive(Clone, Copy, Debug)]
 pub struct Interface<F> {
     /// Diffuse reflectance; specular reflectance of conductors and dielectrics.
-    pub colour: V3<F>,
+    pub reflectance: V3<F>,
     /// Specular reflectance of plastics, transmittance of dielectrics.
-    pub second: V3<F>,
+    pub second_reflectance: V3<F>,
     /// Real part of the index of refraction, inside over outside; dielectrics have it in x.
     pub eta: V3<F>,
     pub k: V3<F>,
@@ -85,7 +85,7 @@ pub fn below_dielectric<F: Real>(
     kinds: KindMasks<F>,
 ) -> V3<F> {
     let alpha = s.alpha;
-    let colour = s.colour;
+    let colour = s.reflectance;
     let one = F::splat(1.0);
     let rough_in = t.at_in + t.by_cos_in * cos_in + t.by_alpha_in * alpha + t.by_eta_in * eta;
     let rough_out = t.at_out + t.by_cos_out * cos_out + t.by_alpha_out * alpha + t.by_eta_out * eta;
@@ -137,9 +137,9 @@ pub fn bsdf_evaluate<F: Real>(
     let sin2 = across.dot(across);
     let cos2 = F::splat(1.0) - sin2;
     let alpha = F::select(kinds.is_smooth, F::splat(0.5), s.alpha);
-    let density = facet_density(cos2, sin2, alpha, kinds.is_ggx);
-    let hidden = unhidden_over_cos(cos_in, alpha, kinds.is_ggx)
-        * unhidden_over_cos(cos_out, alpha, kinds.is_ggx);
+    let density = ndf(cos2, sin2, alpha, kinds.is_ggx);
+    let hidden = smith_g1_over_cos(cos_in, alpha, kinds.is_ggx)
+        * smith_g1_over_cos(cos_out, alpha, kinds.is_ggx);
     let shape = density * hidden * F::splat(std::f64::consts::PI * 0.25);
     let metal = V3::new(
         fresnel_conductor(cos_half, s.eta.x, s.k.x),
@@ -148,10 +148,10 @@ pub fn bsdf_evaluate<F: Real>(
     );
     // Metals have no use for it, and where it is zero what is not selected would not be finite.
     let dense = F::select(kinds.is_conductor, F::splat(1.5), s.eta.x);
-    let glass = s.second * fresnel_dielectric(cos_half, dense);
-    let specular = V3::select(kinds.is_conductor, s.colour.times(metal), glass) * shape;
+    let glass = s.second_reflectance * fresnel_dielectric(cos_half, dense);
+    let specular = V3::select(kinds.is_conductor, s.reflectance.times(metal), glass) * shape;
     let below = below_dielectric(cos_in, cos_out, s, dense, t, kinds);
-    let diffuse = V3::select(kinds.is_plastic, below, s.colour);
+    let diffuse = V3::select(kinds.is_plastic, below, s.reflectance);
     let none = V3::splat(0.0);
     let lobes =
         V3::select(has_lobe, specular, none) + V3::select(kinds.is_conductor, none, diffuse);
@@ -199,14 +199,14 @@ pub fn bsdf_evaluate_glass<F: Real>(
     let cos_facet = F::select(meets, cos_half, one);
     let across = n.cross(h);
     let sin2 = across.dot(across);
-    let density = facet_density(one - sin2, sin2, s.alpha, kinds.is_ggx);
-    let hidden = unhidden_over_cos(cos_in, s.alpha, kinds.is_ggx)
-        * (cos_out * unhidden_over_cos(cos_out, s.alpha, kinds.is_ggx));
+    let density = ndf(one - sin2, sin2, s.alpha, kinds.is_ggx);
+    let hidden = smith_g1_over_cos(cos_in, s.alpha, kinds.is_ggx)
+        * (cos_out * smith_g1_over_cos(cos_out, s.alpha, kinds.is_ggx));
     let shape = density * hidden;
     let mirror = fresnel_dielectric(cos_facet, ratio);
-    let reflection = s.colour * (shape * mirror * F::splat(0.25));
+    let reflection = s.reflectance * (shape * mirror * F::splat(0.25));
     let squeezed = shape * (one - mirror) * (cos_facet * beyond / (length * length));
-    let sent = V3::select(is_through, s.second * squeezed, reflection);
+    let sent = V3::select(is_through, s.second_reflectance * squeezed, reflection);
     V3::select(meets & is_glass, sent, V3::splat(0.0))
 }
 
@@ -251,14 +251,14 @@ pub fn bsdf_sample<F: Real>(
     let cos_next = n.dot(next);
     let cos_out = F::select(lobes.is_refracted, -cos_next, cos_next).max(zero);
     let alpha = F::select(kinds.is_smooth, F::splat(0.5), s.alpha);
-    let density = facet_density(
+    let density = ndf(
         local.z * local.z,
         local.x * local.x + local.y * local.y,
         alpha,
         kinds.is_ggx,
     );
-    let hidden = unhidden_over_cos(cos_in, alpha, kinds.is_ggx)
-        * (cos_out * unhidden_over_cos(cos_out, alpha, kinds.is_ggx));
+    let hidden = smith_g1_over_cos(cos_in, alpha, kinds.is_ggx)
+        * (cos_out * smith_g1_over_cos(cos_out, alpha, kinds.is_ggx));
     let shape = F::select(kinds.is_smooth, one, density * hidden * cos_half);
     let metal = V3::new(
         fresnel_conductor(cos_half, s.eta.x, s.k.x),
@@ -266,12 +266,12 @@ pub fn bsdf_sample<F: Real>(
         fresnel_conductor(cos_half, s.eta.z, s.k.z),
     );
     let glass = fresnel_dielectric(cos_half, ratio);
-    let mirror = V3::select(kinds.is_plastic, s.second, s.colour) * glass;
-    let reflection = V3::select(kinds.is_conductor, s.colour.times(metal), mirror) * shape;
+    let mirror = V3::select(kinds.is_plastic, s.second_reflectance, s.reflectance) * glass;
+    let reflection = V3::select(kinds.is_conductor, s.reflectance.times(metal), mirror) * shape;
     let squeezed = shape * (one - glass) / (ratio * ratio);
-    let refraction = s.second * F::select(passes, squeezed, zero);
+    let refraction = s.second_reflectance * F::select(passes, squeezed, zero);
     let below = below_dielectric(cos_in, cos_out.max(tiny), s, dense, t, kinds);
-    let diffuse = V3::select(kinds.is_plastic, below, s.colour);
+    let diffuse = V3::select(kinds.is_plastic, below, s.reflectance);
     let white = V3::splat(1.0);
     let specular = V3::select(
         lobes.is_reflected,

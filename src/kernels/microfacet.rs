@@ -8,7 +8,7 @@ use crate::lanes::Real;
 /// GGX (Walter et al. 2007, eq. 33) or Beckmann (eq. 25).
 ///
 /// inputs: cos2 0.3..0.9, sin2 0.1..0.7, alpha 0.2..0.9
-pub fn facet_density<F: Real>(cos2: F, sin2: F, alpha: F, is_ggx: F::Mask) -> F {
+pub fn ndf<F: Real>(cos2: F, sin2: F, alpha: F, is_ggx: F::Mask) -> F {
     let pi = F::splat(std::f64::consts::PI);
     let alpha2 = alpha * alpha;
     let spread = sin2 + alpha2 * cos2;
@@ -23,7 +23,7 @@ pub fn facet_density<F: Real>(cos2: F, sin2: F, alpha: F, is_ggx: F::Mask) -> F 
 /// Smith's G₁ for GGX, and Walter et al.'s rational fit (2007, below eq. 27) for Beckmann.
 ///
 /// inputs: cos 0.1..0.9, alpha 0.2..0.9
-pub fn unhidden_over_cos<F: Real>(cos: F, alpha: F, is_ggx: F::Mask) -> F {
+pub fn smith_g1_over_cos<F: Real>(cos: F, alpha: F, is_ggx: F::Mask) -> F {
     let one = F::splat(1.0);
     let cos2 = cos * cos;
     let sin2 = (one - cos2).max(F::splat(1e-8));

@@ -35,7 +35,7 @@ impl Edits {
                 self.textures[texture] = true
             }
             Target::EnvironmentScale | Target::EnvironmentRotation => self.environment = true,
-            // Cameras and lights without an extent are read from the scene itself.
+            // Cameras and delta lights are read from the scene itself.
             Target::SensorTranslation(_)
             | Target::SensorRotation(_)
             | Target::SensorXFov(_)
@@ -58,7 +58,7 @@ impl Edits {
     }
 
     /// Whether the environment has changed.
-    pub fn sky(&self, scene: &Scene) -> bool {
+    pub fn environment_changes(&self, scene: &Scene) -> bool {
         let radiance = scene.environment.as_ref().map(|e| e.radiance);
         self.environment || radiance.is_some_and(|texture| self.textures[texture])
     }

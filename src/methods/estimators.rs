@@ -63,7 +63,7 @@ pub enum Discontinuity {
     Silhouette,
     /// Shadows of lights with an extent, and of the environment.
     SoftShadow,
-    /// Shadows of lights without an extent.
+    /// Shadows of delta lights.
     SharpShadow,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,

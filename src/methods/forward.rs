@@ -96,7 +96,7 @@ fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -
     let mut tangents = vec![[0.0; 3]; traced.image.radiance.len()];
     let packets: Vec<_> = traced.packets().collect();
     for (number, packet) in packets.into_iter().enumerate() {
-        let values = to_rgb(sweep.radiance_tangent(&traced.store, number, packet.u, packet.v));
+        let values = to_rgb(sweep.radiance_derivative(&traced.store, number, packet.u, packet.v));
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
             let at = packet.row * columns + packet.column + lane;
             if values[lane].iter().all(|c| c.is_finite()) {

@@ -5,7 +5,7 @@ use super::error::EngineError;
 use super::reach::check_meshes;
 use super::workers::Workers;
 use crate::discontinuity::adjacency::Adjacency;
-use crate::paths::environment::distribution::Sky;
+use crate::paths::environment::distribution::MapDistribution;
 use crate::paths::light::patches::Lights;
 use crate::paths::surface::materials::MaterialTable;
 use crate::room::{Cancelled, Unfinished};
@@ -21,7 +21,7 @@ pub struct Parts {
     pub(super) accel: Arc<Accel>,
     pub(super) lights: Arc<Lights>,
     pub(super) materials: Arc<MaterialTable>,
-    pub(super) sky: Option<Arc<Sky>>,
+    pub(super) map_distribution: Option<Arc<MapDistribution>>,
     /// Made when silhouettes are first asked for.
     pub(super) adjacency: Arc<OnceLock<Adjacency>>,
 }
@@ -44,7 +44,7 @@ impl Parts {
         Ok(Self {
             lights: lights(scene, &geometry, workers),
             materials: Arc::new(MaterialTable::new(scene)),
-            sky: sky(scene, workers, cancelled)?,
+            map_distribution: map_distribution(scene, workers, cancelled)?,
             adjacency: Arc::default(),
             geometry: Arc::new(geometry),
             accel: Arc::new(accel),
@@ -83,9 +83,9 @@ impl Parts {
                 true => Arc::new(MaterialTable::new(scene)),
                 false => self.materials.clone(),
             },
-            sky: match edits.sky(scene) {
-                true => sky(scene, workers, cancelled)?,
-                false => self.sky.clone(),
+            map_distribution: match edits.environment_changes(scene) {
+                true => map_distribution(scene, workers, cancelled)?,
+                false => self.map_distribution.clone(),
             },
             adjacency,
             geometry,
@@ -104,11 +104,11 @@ fn lights(scene: &Scene, geometry: &Geometry, workers: &Workers) -> Arc<Lights> 
     Arc::new(workers.pool.install(new))
 }
 
-fn sky(
+fn map_distribution(
     scene: &Scene,
     workers: &Workers,
     cancelled: Cancelled,
-) -> Result<Option<Arc<Sky>>, Unfinished> {
+) -> Result<Option<Arc<MapDistribution>>, Unfinished> {
     let Some(environment) = &scene.environment else {
         return Ok(None);
     };
@@ -116,7 +116,9 @@ fn sky(
         return Ok(None);
     };
     let texture = &scene.textures[environment.radiance];
-    let made = workers.pool.install(|| Sky::new(texture, map, cancelled));
+    let made = workers
+        .pool
+        .install(|| MapDistribution::new(texture, map, cancelled));
     Ok(Some(Arc::new(made?)))
 }
 

@@ -25,7 +25,7 @@ pub fn check(
     {
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
-    if !request.moves_geometry() && !request.bends(scene) {
+    if !request.moves_geometry() && !request.refraction_moves(scene) {
         return Ok(());
     }
     let used = || {
@@ -68,7 +68,7 @@ pub fn check(
 
 fn sharp_shadows(light: &str) -> String {
     format!(
-        "{light}: the shadows of lights without an extent have sharp edges that are not found, so gradients by what moves \
+        "{light}: the shadows of delta lights have sharp edges that are not found, so gradients by what moves \
          would be wrong; use a small area light"
     )
 }

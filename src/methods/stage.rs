@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
             accel: &self.parts.accel,
             lights: &self.parts.lights,
             materials: &self.parts.materials,
-            sky: self.parts.sky.as_deref(),
+            map_distribution: self.parts.map_distribution.as_deref(),
             camera: self.camera,
             limits: self.limits,
         }

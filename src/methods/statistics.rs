@@ -59,7 +59,7 @@ impl Statistics {
             ("bounce", counts.bounce),
             ("light_cell", counts.light_cell),
             ("bounce_cell", counts.bounce_cell),
-            ("sky_cell", counts.sky_cell),
+            ("sky_cell", counts.environment_cell),
             ("probe", counts.probe),
         ];
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {

@@ -83,8 +83,8 @@ impl SceneView<'_> {
             let toward = self.patch_points(&light.patch, &s, &r) - surface.x;
             light.weight = keep(between.count(toward), light.weight);
         }
-        let [from, to] = vertices.sky.map(|i| i as usize);
-        for sample in &mut store.sky_samples[from..to] {
+        let [from, to] = vertices.environment.map(|i| i as usize);
+        for sample in &mut store.environment_samples[from..to] {
             sample.weight = keep(between.count(sample.direction), sample.weight);
         }
         let [from, to] = vertices.delta_lights.map(|i| i as usize);

@@ -11,7 +11,7 @@ pub struct Counts {
     /// Rays along the horizon and beside it: they only find silhouettes.
     pub bounce_cell: u64,
     /// Rays to the environment map: they only find silhouettes.
-    pub sky_cell: u64,
+    pub environment_cell: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
     /// Cells between whose ends a silhouette was found.
@@ -34,7 +34,7 @@ impl Counts {
             + self.bounce
             + self.light_cell
             + self.bounce_cell
-            + self.sky_cell
+            + self.environment_cell
             + self.probe
     }
 }
@@ -46,7 +46,7 @@ impl std::ops::AddAssign for Counts {
         self.bounce += o.bounce;
         self.light_cell += o.light_cell;
         self.bounce_cell += o.bounce_cell;
-        self.sky_cell += o.sky_cell;
+        self.environment_cell += o.environment_cell;
         self.probe += o.probe;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;

@@ -67,12 +67,12 @@ pub struct LightDraw {
 #[derive(Clone, Copy)]
 pub struct Bounce<'a> {
     pub rays: &'a RayPacket,
-    pub seen: Seen<'a>,
+    pub seen: BounceEnd<'a>,
 }
 
 /// What the bounces of a packet ended on.
 #[derive(Clone, Copy)]
-pub enum Seen<'a> {
+pub enum BounceEnd<'a> {
     /// At the last vertex only the environment shines: lanes that see it.
     Environment(u32),
     /// Triangles, or none; the paths go on from there.

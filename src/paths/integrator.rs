@@ -6,7 +6,7 @@
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
 use crate::paths::between_planes::BetweenPlanes;
-use crate::paths::estimator::{Bounce, BoundaryEstimator, Seen};
+use crate::paths::estimator::{Bounce, BounceEnd, BoundaryEstimator};
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
@@ -90,9 +90,14 @@ impl Integrator<'_> {
                 depth: depth.wrapping_sub(1),
                 ..numbers
             };
-            self.look_over_lobe(&path, Seen::Triangles(&vertices.triangle), before, store);
+            self.look_over_lobe(
+                &path,
+                BounceEnd::Triangles(&vertices.triangle),
+                before,
+                store,
+            );
             let surface = self.view.surface(&mut vertices);
-            self.weigh_emission(&mut vertices, &path, store);
+            self.mis_weigh_emission(&mut vertices, &path, store);
             let segments = depth + 2;
             if vertices.hit == 0 || segments > self.view.limits.max_depth {
                 store.vertices.push(vertices);
@@ -160,7 +165,11 @@ impl Integrator<'_> {
         if depth == 0 && view.limits.hide_emitters {
             vertices.escaped = 0;
         }
-        if depth > 0 && depth == start.depth && view.sky.is_some() && !start.with_emission {
+        if depth > 0
+            && depth == start.depth
+            && view.map_distribution.is_some()
+            && !start.with_emission
+        {
             // Wide lobes see the map by lines of its own.
             vertices.escaped = 0;
         }
@@ -198,18 +207,18 @@ impl Integrator<'_> {
             self.estimator.light(&at, &draw, &mut store.found);
             vertices.light = light;
         }
-        if let Some(sky) = view.sky {
+        if let Some(distribution) = view.map_distribution {
             let at = At {
                 view,
                 vertices,
                 surface,
                 numbers: *numbers,
             };
-            let sample = at.sample_sky(sky, &mut store.counts);
+            let sample = at.sample_environment(distribution, &mut store.counts);
             self.estimator.environment(&at, &mut store.found);
-            let place = store.sky_samples.len() as u32;
-            store.sky_samples.push(sample);
-            vertices.sky = [place, place + 1];
+            let place = store.environment_samples.len() as u32;
+            store.environment_samples.push(sample);
+            vertices.environment = [place, place + 1];
         }
         if !view.scene.delta_lights.is_empty() {
             view.see_delta_lights(vertices, surface, store);
@@ -256,7 +265,7 @@ impl Integrator<'_> {
             let zero = Lane::splat(0.0);
             let looks = |v: &Vertices| v.line_survival.gt(zero).to_bits() != 0;
             if store.vertices.last().is_some_and(looks) {
-                let seen = Seen::Triangles(&[NO_TRIANGLE; LANES]);
+                let seen = BounceEnd::Triangles(&[NO_TRIANGLE; LANES]);
                 self.look_over_lobe(path, seen, numbers, store);
             }
             return true;
@@ -272,14 +281,20 @@ impl Integrator<'_> {
             escaped: self.view.unoccluded(&path.rays, &mut store.counts.bounce),
             ..Vertices::default()
         };
-        self.weigh_emission(&mut end, path, store);
-        self.look_over_lobe(path, Seen::Environment(end.escaped), numbers, store);
+        self.mis_weigh_emission(&mut end, path, store);
+        self.look_over_lobe(path, BounceEnd::Environment(end.escaped), numbers, store);
         store.vertices.push(end);
         true
     }
 
     /// Has the estimator find what jumps over the lobes of the vertex stored last, whose bounces have been traced.
-    fn look_over_lobe(&self, path: &Path, seen: Seen, numbers: Numbers, store: &mut TileStore) {
+    fn look_over_lobe(
+        &self,
+        path: &Path,
+        seen: BounceEnd,
+        numbers: Numbers,
+        store: &mut TileStore,
+    ) {
         let TileStore {
             vertices, found, ..
         } = store;
@@ -301,7 +316,7 @@ impl Integrator<'_> {
     }
 
     /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
-    fn weigh_emission(&self, vertices: &mut Vertices, path: &Path, store: &TileStore) {
+    fn mis_weigh_emission(&self, vertices: &mut Vertices, path: &Path, store: &TileStore) {
         let (Some((surface, rim)), Some(from)) = (&path.previous, store.vertices.last()) else {
             return;
         };
@@ -317,8 +332,8 @@ impl Integrator<'_> {
             vertices.sampled_value = value * *rim;
         }
         let escaped = drawn & vertices.escaped;
-        if let (Some(sky), true) = (view.sky, escaped != 0) {
-            let (weight, value) = view.sampled_sky(sky, vertices, from, surface);
+        if let (Some(distribution), true) = (view.map_distribution, escaped != 0) {
+            let (weight, value) = view.sampled_environment(distribution, vertices, from, surface);
             let lanes = lane_mask(escaped);
             vertices.sampled |= escaped;
             vertices.emission_weight =

@@ -68,10 +68,10 @@ impl Moving {
                 }
             })
             .collect();
-        // A sky that turns, and a picture that slides, move against what rests.
+        // An environment map that turns, and a texture that slides, move against what rests.
         let everything = asked.camera.is_some()
-            || asked.bends(scene)
-            || asked.turns_sky(scene)
+            || asked.refraction_moves(scene)
+            || asked.turns_environment(scene)
             || asked.to_uv.iter().any(Option::is_some);
         Self {
             everything,
@@ -109,7 +109,7 @@ impl Moving {
             Boundary::Crease([[a, ..], [b, ..]]) => {
                 self.vertex(geometry, a) || self.vertex(geometry, b)
             }
-            Boundary::Ink {
+            Boundary::TextureEdge {
                 triangle: [a, ..], ..
             } => self.vertex(geometry, a),
         }

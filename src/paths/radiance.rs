@@ -20,9 +20,9 @@ impl SceneView<'_> {
                     sum = sum + vertices.throughput.times(self.sampled_light(vertices));
                 }
                 if let (Some(sample), Some(environment)) =
-                    (store.sky_sample(vertices), &self.scene.environment)
+                    (store.environment_sample(vertices), &self.scene.environment)
                 {
-                    let light = self.sky_light(environment, sample);
+                    let light = self.environment_light(environment, sample);
                     sum = sum + vertices.throughput.times(light);
                 }
                 let visible = store.delta_visible(vertices);

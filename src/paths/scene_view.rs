@@ -1,7 +1,7 @@
 //! The scene as paths see it: its data, and the questions that rays answer.
 
 use crate::lanes::LANES;
-use crate::paths::environment::distribution::Sky;
+use crate::paths::environment::distribution::MapDistribution;
 use crate::paths::film::camera::Camera;
 use crate::paths::light::patches::Lights;
 use crate::paths::rays::{RayPacket, to_rays};
@@ -29,7 +29,7 @@ pub struct SceneView<'a> {
     pub lights: &'a Lights,
     pub materials: &'a MaterialTable,
     /// Given if there is an environment map.
-    pub sky: Option<&'a Sky>,
+    pub map_distribution: Option<&'a MapDistribution>,
     pub camera: Camera,
     pub limits: PathLimits,
 }

@@ -31,7 +31,7 @@ pub struct Vertices {
     /// Product of weights before this vertex.
     pub throughput: V3<Lane>,
     /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from this side.
-    pub colour: V3<Lane>,
+    pub diffuse_reflectance: V3<Lane>,
     /// Multiplies the emission found by the arriving ray. 1 for camera rays and what narrow lobes found; for `sampled`
     /// lanes the MIS weight and what turns the irradiance of the previous vertex into radiance.
     pub emission_weight: Lane,
@@ -58,18 +58,18 @@ pub struct Vertices {
     pub line_survival: Lane,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],
-    /// Lanes that see each light without an extent, likewise.
+    /// Lanes that see each delta light, likewise.
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
-    pub sky: [u32; 2],
+    pub environment: [u32; 2],
 }
 
 /// A sample of the environment map in each lane.
 #[derive(Clone, Debug)]
-pub struct SkySample {
+pub struct EnvironmentSample {
     /// World, unit.
     pub direction: V3<Lane>,
-    /// MIS weight over density over solid angle; 0 where the sky is hidden.
+    /// MIS weight over density over solid angle; 0 where the environment is hidden.
     pub weight: Lane,
     /// `kernels::light::direction_irradiance` of it.
     pub irradiance: Lane,
@@ -150,7 +150,7 @@ impl Default for Vertices {
             facing: one,
             kinds: Kinds::default(),
             throughput: V3::splat(1.0),
-            colour: V3::splat(0.0),
+            diffuse_reflectance: V3::splat(0.0),
             emission_weight: zero,
             sampled: 0,
             sampled_value: V3::splat(0.0),
@@ -174,7 +174,7 @@ impl Default for Vertices {
             line_survival: zero,
             boundary: [0; 2],
             delta_lights: [0; 2],
-            sky: [0; 2],
+            environment: [0; 2],
         }
     }
 }
@@ -185,9 +185,9 @@ pub struct TileStore {
     /// Vertices by packet and depth: packet p's are `vertices[depths[p]..depths[p + 1]]`.
     pub vertices: Vec<Vertices>,
     pub depths: Vec<u32>,
-    /// Lanes that see a light without an extent: for each vertex one entry a light.
+    /// Lanes that see a delta light: for each vertex one entry a light.
     pub delta_visible: Vec<u32>,
-    pub sky_samples: Vec<SkySample>,
+    pub environment_samples: Vec<EnvironmentSample>,
     /// What jumps in the vertices' integrals, and then what jumps on the film.
     pub found: Found,
     /// Of `found`, what belongs to the vertices.
@@ -208,15 +208,15 @@ impl TileStore {
         self.depths.clear();
         self.depths.push(0);
         self.delta_visible.clear();
-        self.sky_samples.clear();
+        self.environment_samples.clear();
         self.found.clear();
         self.vertex_samples = 0;
     }
 
     /// A vertex's sample of the environment map.
-    pub fn sky_sample(&self, vertices: &Vertices) -> Option<&SkySample> {
-        let [from, to] = vertices.sky;
-        (from != to).then(|| &self.sky_samples[from as usize])
+    pub fn environment_sample(&self, vertices: &Vertices) -> Option<&EnvironmentSample> {
+        let [from, to] = vertices.environment;
+        (from != to).then(|| &self.environment_samples[from as usize])
     }
 
     /// What jumps in a vertex's integrals.
@@ -230,7 +230,7 @@ impl TileStore {
         &self.found.samples[self.vertex_samples..]
     }
 
-    /// The lanes of a vertex that see each light without an extent.
+    /// The lanes of a vertex that see each delta light.
     pub fn delta_visible(&self, vertices: &Vertices) -> &[u32] {
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
         &self.delta_visible[from..to]

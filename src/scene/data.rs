@@ -15,7 +15,7 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Area emitters, in the order of their shapes.
     pub area_lights: Vec<AreaLight>,
-    /// Lights without an extent, in the order of the file.
+    /// Delta lights, in the order of the file.
     pub delta_lights: Vec<DeltaLight>,
     /// The `constant` or `envmap` environment, if the scene has one.
     pub environment: Option<Environment>,

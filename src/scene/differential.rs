@@ -15,7 +15,7 @@ pub struct SceneDifferential {
     /// Per texture: of the two rows of `to_uv`.
     pub to_uv: Vec<Option<[f32; 6]>>,
     pub environment: Option<EnvironmentDifferential>,
-    /// Per light without an extent: motion of a point light, world units.
+    /// Per delta light: motion of a point light, world units.
     pub delta_lights: Vec<Option<Vec3>>,
     /// The sensor that renders.
     pub camera: Option<CameraDifferential>,
@@ -60,7 +60,7 @@ impl SceneDifferential {
     }
 
     /// Whether an index of refraction changes that bends rays.
-    pub fn bends(&self, scene: &Scene) -> bool {
+    pub fn refraction_moves(&self, scene: &Scene) -> bool {
         scene.materials.iter().any(|m| match m.bsdf {
             super::Bsdf::Dielectric { eta, .. } => self.texels[eta].is_some(),
             _ => false,
@@ -68,13 +68,13 @@ impl SceneDifferential {
     }
 
     /// Whether an environment map may turn: what hides it hides other parts of it then.
-    pub fn turns_sky(&self, scene: &Scene) -> bool {
+    pub fn turns_environment(&self, scene: &Scene) -> bool {
         self.environment.is_some() && scene.environment.as_ref().is_some_and(|e| e.map.is_some())
     }
 
     /// Whether anything moves edges that something may see.
     pub fn moves_edges(&self, scene: &Scene) -> bool {
-        self.moves_geometry() || self.bends(scene) || self.turns_sky(scene)
+        self.moves_geometry() || self.refraction_moves(scene) || self.turns_environment(scene)
     }
 
     /// Makes room (zeros) for the texels of a texture.

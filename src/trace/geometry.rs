@@ -98,7 +98,7 @@ impl Geometry {
     }
 
     /// Whether a picture may jump within the triangle, if there is one.
-    pub fn has_painted_edges(&self, triangle: u32) -> bool {
+    pub fn has_texture_edges(&self, triangle: u32) -> bool {
         triangle != NO_TRIANGLE
             && self
                 .pattern(triangle)

@@ -28,8 +28,8 @@ fn mask(holds: bool) -> (f64, f64) {
 
 pub fn check_all(checks: &[Check]) {
     let points = [
-        ("microfacet::facet_density", densities()),
-        ("microfacet::unhidden_over_cos", unhidden()),
+        ("microfacet::ndf", densities()),
+        ("microfacet::smith_g1_over_cos", unhidden()),
         ("fresnel::fresnel_conductor", conductors()),
         ("fresnel::fresnel_dielectric", dielectrics()),
         ("bsdf::bsdf_evaluate", values()),

@@ -142,7 +142,7 @@ pub fn foliage() -> Scene {
     let leaves = (positions.into_iter().map(over_floor).collect(), triangles);
     small_floor()
         .solid("leaves", leaves, [0.2, 0.6, 0.1])
-        .sky(SKY)
+        .constant_environment(SKY)
 }
 
 /// The same before a coloured wall.
@@ -165,6 +165,6 @@ pub fn silhouette(filter: Filter) -> Scene {
         Vec3::ZERO,
     );
     scene(vec3(0.3, -4.0, 0.5), Vec3::ZERO, 26.0, [20; 2], filter)
-        .sky(SKY)
+        .constant_environment(SKY)
         .solid("block", shape, [0.3, 0.5, 0.2])
 }

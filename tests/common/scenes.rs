@@ -59,7 +59,7 @@ pub trait Build: Sized {
     /// Paths of at most this many segments.
     fn depth(self, depth: u32) -> Self;
     /// A constant environment, "env".
-    fn sky(self, radiance: Rgb) -> Self;
+    fn constant_environment(self, radiance: Rgb) -> Self;
     /// A flat-shaded, two-sided, diffuse mesh.
     fn solid(self, id: &str, shape: Shape, reflectance: Rgb) -> Self;
     /// The same with smooth normals that follow the vertices.
@@ -113,7 +113,7 @@ impl Build for Scene {
         self
     }
 
-    fn sky(mut self, radiance: Rgb) -> Self {
+    fn constant_environment(mut self, radiance: Rgb) -> Self {
         let radiance = texture(
             &mut self,
             Texture::constant("env.radiance".into(), radiance),

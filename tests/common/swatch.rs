@@ -66,7 +66,7 @@ impl Swatch {
             accel: &self.accel,
             lights: &self.lights,
             materials: &self.materials,
-            sky: None,
+            map_distribution: None,
             camera: Camera::new(&self.scene.sensors[0]),
             limits: PathLimits {
                 max_depth: u32::MAX,

@@ -54,7 +54,7 @@ fn half_plane(filter: Filter) -> Scene {
         [EDGE_FILM; 2],
         filter,
     )
-    .sky([SKY as f32; 3])
+    .constant_environment([SKY as f32; 3])
     .solid(
         "blocker",
         parallelogram(corner, 10.0 * along, 2.0 * side),
@@ -234,7 +234,7 @@ fn before_the_sky() -> Scene {
         [EDGE_FILM; 2],
         BOX,
     )
-    .sky([SKY as f32; 3])
+    .constant_environment([SKY as f32; 3])
 }
 
 #[test]

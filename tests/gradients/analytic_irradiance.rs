@@ -309,7 +309,7 @@ fn discs_before_the_sky() {
             CORNERS,
         );
         let scene = spot()
-            .sky([RADIANCE as f32; 3])
+            .constant_environment([RADIANCE as f32; 3])
             .solid("disc", shape, [0.0; 3]);
         let [by_scale, by_height] = disc_derivatives(radius).map(|d| -PI * RADIANCE * d);
         assert_is(

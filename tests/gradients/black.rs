@@ -38,7 +38,7 @@ fn lit() -> Vec<(&'static str, Scene)> {
     });
     let lamp = ceiling(vec3(0.8, -0.5, 2.0), 0.4);
     vec![
-        ("sky", scene.clone().sky(SKY)),
+        ("sky", scene.clone().constant_environment(SKY)),
         ("sunny", scene.clone().sunny()),
         ("lamp", scene.light("lamp", lamp, [4.0; 3])),
         ("bulb", bulb),

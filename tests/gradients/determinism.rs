@@ -11,7 +11,7 @@ use warpath::scene::{Scene, SceneDifferential};
 fn room() -> Scene {
     scene(vec3(0.3, -3.4, 1.9), Vec3::ZERO, 38.0, [50, 40], GAUSSIAN)
         .depth(4)
-        .sky([0.2, 0.3, 0.4])
+        .constant_environment([0.2, 0.3, 0.4])
         .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
         .smooth("ball", ball(2, vec3(0.4, 0.2, 0.6), 0.4), [0.3, 0.7, 0.2])
         .solid(

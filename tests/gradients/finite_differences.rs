@@ -66,7 +66,7 @@ fn shadows_beside_one_another() {
         let scene = scene(vec3(0.3, -3.4, 1.9), at, 0.3, [4; 2], GAUSSIAN);
         scene.solid("star", body(), [0.75; 3])
     };
-    for scene in [facet().sky(SKY), facet().sunny()] {
+    for scene in [facet().constant_environment(SKY), facet().sunny()] {
         let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
         check(&scene, &[moved], 1024, Some(1e-3), Fails);
     }
@@ -216,7 +216,7 @@ fn bends_of_smooth_bodies() {
         let scene = scene(vec3(0.3, 0.2, 4.0), Vec3::ZERO, 20.0, [16; 2], GAUSSIAN)
             .smooth("ball", ball(levels, Vec3::ZERO, 1.0), [0.7, 0.4, 0.2])
             .solid("wall", wall.clone(), [0.0; 3])
-            .sky(SKY)
+            .constant_environment(SKY)
             .depth(2);
         check(
             &scene,

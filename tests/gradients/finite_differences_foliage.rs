@@ -35,7 +35,7 @@ fn lit_through_a_slit() {
     let scene = small_floor()
         .solid("left", plate(-0.6, 0.6), [0.0; 3])
         .solid("right", plate(0.03, 0.57), [0.0; 3])
-        .sky(SKY)
+        .constant_environment(SKY)
         .depth(3);
     let opened: (&str, &[f32]) = ("right.translation", &[1.0, 0.0, 0.0]);
     check(&scene, &[opened], 256, Some(2e-3), Fails);

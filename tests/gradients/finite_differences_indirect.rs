@@ -13,12 +13,18 @@ fn colours() {
     ];
     check(&room(3), &parts, 16, None, Agrees);
     let sky = [("env.radiance.value", [1.0, 0.5, 0.7].as_slice())];
-    check(&close_up().sky(SKY), &sky, 16, None, Agrees);
+    check(
+        &close_up().constant_environment(SKY),
+        &sky,
+        16,
+        None,
+        Agrees,
+    );
 }
 
 #[test]
 fn lit_by_the_sky() {
-    let scene = close_up().sky(SKY);
+    let scene = close_up().constant_environment(SKY);
     check(
         &scene,
         &[("block.translation", &[1.0, 0.2, 0.1])],

@@ -35,7 +35,10 @@ fn made_of(scene: &Scene, spp: u32, key: &str, by: &[f32]) {
 #[test]
 fn seen_in_a_narrow_reflection() {
     moved(
-        &close_up().sky(SKY).depth(3).metal("floor", 0.1, Ggx),
+        &close_up()
+            .constant_environment(SKY)
+            .depth(3)
+            .metal("floor", 0.1, Ggx),
         64,
         &[MOVED],
     );
@@ -45,7 +48,9 @@ fn seen_in_a_narrow_reflection() {
 #[test]
 fn seen_in_a_reflection_at_a_grazing_angle() {
     let plate = parallelogram(vec3(-0.3, 1.9, 1.1), Vec3::X * 0.8, Vec3::Z * 0.7);
-    let scene = small_floor().solid("plate", plate, [0.0; 3]).sky(SKY);
+    let scene = small_floor()
+        .solid("plate", plate, [0.0; 3])
+        .constant_environment(SKY);
     let scene = scene.depth(2).metal("floor", 0.14, Ggx);
     check_to(
         FINE,
@@ -61,7 +66,9 @@ fn seen_in_a_reflection_at_a_grazing_angle() {
 #[test]
 fn thin_wedges_seen_in_a_reflection() {
     let body = spiky(vec3(0.1, 1.9, 1.5), 0.5, [1.4, 0.7]);
-    let scene = small_floor().smooth("star", body, [0.75; 3]).sky(SKY);
+    let scene = small_floor()
+        .smooth("star", body, [0.75; 3])
+        .constant_environment(SKY);
     let scene = scene.depth(3).metal("floor", 0.05, Ggx);
     let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
     check(&scene, &[moved], 1024, Some(0.01), Fails);
@@ -86,7 +93,10 @@ fn facets_seen_in_a_reflection() {
 fn spikes_seen_in_a_reflection() {
     let body = spiky(vec3(0.1, 1.9, 1.5), 0.5, [1.4, 0.4]);
     let scene = small_floor().smooth("star", body, [0.0; 3]);
-    let scene = scene.sky(SKY).depth(2).metal("floor", 0.05, Ggx);
+    let scene = scene
+        .constant_environment(SKY)
+        .depth(2)
+        .metal("floor", 0.05, Ggx);
     let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
     check_to(0.01, &scene, &[moved], 1024, Some(0.03), Fails);
 }
@@ -96,7 +106,9 @@ fn spikes_seen_in_a_reflection() {
 #[test]
 fn planes_of_triangles_are_no_riddles() {
     let body = ball(1, vec3(0.1, 0.0, 0.45), 0.4);
-    let scene = small_floor().smooth("ball", body, [0.6; 3]).sky(SKY);
+    let scene = small_floor()
+        .smooth("ball", body, [0.6; 3])
+        .constant_environment(SKY);
     let scene = scene.depth(3).metal("ball", 0.05, Ggx);
     let turned = direction(&scene, &[("ball.rotation", &[0.5, 0.3, 1.0])]);
     let settings = settings(&scene, Method::Reparam, 64, 1);
@@ -123,7 +135,10 @@ fn planes_of_triangles_are_borders() {
     let toward_camera = tilt.cos() * plane + (tilt.sin() - 1.0) * along;
     let scene = scene(at + 3.0 * toward_camera.normalize(), at, 0.6, [4; 2], BOX);
     let scene = scene.smooth("ball", (positions, triangles), [0.6; 3]);
-    let scene = scene.sky(SKY).depth(3).metal("ball", 0.05, Ggx);
+    let scene = scene
+        .constant_environment(SKY)
+        .depth(3)
+        .metal("ball", 0.05, Ggx);
     let across = plane.cross(along).to_array();
     for (key, step) in [("ball.rotation", 0.01), ("ball.translation", 0.0025)] {
         check(&scene, &[(key, &across)], 4096, Some(step), Fails);
@@ -144,7 +159,10 @@ fn lamp_seen_in_a_wide_reflection() {
 
 #[test]
 fn metal_that_moves() {
-    let scene = close_up().sky(SKY).depth(3).metal("block", 0.1, Beckmann);
+    let scene = close_up()
+        .constant_environment(SKY)
+        .depth(3)
+        .metal("block", 0.1, Beckmann);
     for part in [("block.rotation", [0.5, 0.3, 1.0].as_slice()), MOVED] {
         check(&scene, &[part], 768, Some(0.015), Fails);
     }
@@ -158,14 +176,17 @@ fn plastic_floor() {
 
 #[test]
 fn glass_that_moves() {
-    let scene = close_up().sky(SKY).depth(5).glass("block", 0.1);
+    let scene = close_up()
+        .constant_environment(SKY)
+        .depth(5)
+        .glass("block", 0.1);
     check(&scene, &[MOVED], 256, Some(0.015), Fails);
     moved_far(&scene, 128, &[("block.rotation", &[0.5, 0.3, 1.0])]);
 }
 
 #[test]
 fn a_picture_that_moves() {
-    let scene = close_up().sky(SKY).picture("floor");
+    let scene = close_up().constant_environment(SKY).picture("floor");
     moved(&scene, 64, &[("floor.translation", &[1.0, 0.4, 0.1])]);
     moved(&scene, 64, &[("cam.translation", &[1.0, 0.4, 0.1])]);
 }
@@ -202,7 +223,10 @@ fn what_plastic_is_made_of() {
 
 #[test]
 fn what_glass_is_made_of() {
-    let scene = close_up().sky(SKY).depth(5).glass("block", 0.2);
+    let scene = close_up()
+        .constant_environment(SKY)
+        .depth(5)
+        .glass("block", 0.2);
     for (key, by) in [
         ("block.bsdf.alpha.value", [1.0].as_slice()),
         ("block.bsdf.specular_transmittance.value", &[1.0, 0.5, 0.2]),

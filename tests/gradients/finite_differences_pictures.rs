@@ -13,7 +13,7 @@ fn moved(scene: &Scene, parts: &[(&str, &[f32])]) {
 
 #[test]
 fn checkerboard_seen_directly() {
-    let scene = close_up().sky(SKY).checkerboard("floor");
+    let scene = close_up().constant_environment(SKY).checkerboard("floor");
     moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
     moved(&scene, &[("floor.rotation", &[0.1, 0.2, 1.0])]);
     moved(&scene, &[("cam.translation", &[1.0, 0.4, 0.1])]);
@@ -28,23 +28,35 @@ fn checkerboard_with_a_shadow_on_it() {
 /// The block is seen in the floor and lights it.
 #[test]
 fn checkerboard_seen_in_reflections() {
-    let metal = close_up().sky(SKY).depth(3).checkerboard("block");
+    let metal = close_up()
+        .constant_environment(SKY)
+        .depth(3)
+        .checkerboard("block");
     let metal = metal.metal("floor", 0.1, Ggx);
     moved(&metal, &[("block.rotation", &[0.1, 0.2, 1.0])]);
-    let diffuse = close_up().sky(SKY).depth(3).checkerboard("block");
+    let diffuse = close_up()
+        .constant_environment(SKY)
+        .depth(3)
+        .checkerboard("block");
     moved(&diffuse, &[("block.rotation", &[0.1, 0.2, 1.0])]);
 }
 
 #[test]
 fn texels_without_a_filter() {
-    let scene = close_up().sky(SKY).picture("floor").unfiltered();
+    let scene = close_up()
+        .constant_environment(SKY)
+        .picture("floor")
+        .unfiltered();
     moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
 }
 
 /// In a plane, where nothing but the picture jumps.
 #[test]
 fn pictures_that_do_not_fit_together() {
-    let scene = close_up().sky(SKY).picture("floor").torn("floor");
+    let scene = close_up()
+        .constant_environment(SKY)
+        .picture("floor")
+        .torn("floor");
     moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
     moved(&scene, &[("cam.rotation", &[0.1, 0.4, 0.3])]);
 }

@@ -88,7 +88,7 @@ fn assert_searches_nothing(what: &str, rays: &Rays) {
 /// Colours need the paths of the image and no more.
 #[test]
 fn colours_search_no_silhouettes() {
-    for scene in [room(2), room(4), room(3).sky([0.2; 3])] {
+    for scene in [room(2), room(4), room(3).constant_environment([0.2; 3])] {
         let image =
             render(&scene, &settings(&scene, Method::Reparam, SPP, 1), &Quiet).expect("an image");
         let image = rays_of(&image.statistics);
@@ -141,7 +141,7 @@ fn what_is_not_seen_has_no_gradient() {
 /// A direction of zeros moves nothing.
 #[test]
 fn nothing_that_moves_has_no_gradient() {
-    let scene = room(3).sky([0.3; 3]);
+    let scene = room(3).constant_environment([0.3; 3]);
     let still: [(&str, &[f32]); 4] = [
         ("block.translation", &[0.0; 3]),
         ("cam.rotation", &[0.0; 3]),
@@ -226,7 +226,7 @@ fn rays_are_those_that_the_scene_asks_for() {
     );
 
     // Under the sky alone there is no light to sample.
-    let mut sky = room(2).sky([1.0; 3]);
+    let mut sky = room(2).constant_environment([1.0; 3]);
     sky.meshes.pop();
     sky.area_lights.clear();
     let (_, sky) = forward_rays(&sky, &moving, Method::Reparam);
@@ -251,7 +251,7 @@ fn what_rests_is_left_out_and_nothing_else() {
         );
         scene.solid("leaf", leaf, [0.5, 0.2, 0.1])
     };
-    let sky = |scene: Scene| scene.sky([0.2, 0.3, 0.4]);
+    let sky = |scene: Scene| scene.constant_environment([0.2, 0.3, 0.4]);
     let scenes = [
         ("lamp", small(room(2))),
         ("indirect", small(room(4))),

@@ -8,7 +8,7 @@ use warpath::methods::{Method, forward};
 use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
 
 fn close_up() -> Scene {
-    common::comparison::close_up().sky([0.7, 0.8, 1.0])
+    common::comparison::close_up().constant_environment([0.7, 0.8, 1.0])
 }
 
 /// The refusal, or nothing.

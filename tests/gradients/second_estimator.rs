@@ -90,7 +90,7 @@ fn leaf() -> Scene {
         [6; 2],
         Filter::Box { radius: 0.5 },
     )
-    .sky([SKY as f32; 3])
+    .constant_environment([SKY as f32; 3])
     .solid(
         "leaf",
         parallelogram(corner, vec3(0.9, 0.2, 0.3), vec3(-0.1, 0.7, 0.0)),

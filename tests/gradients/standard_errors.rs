@@ -23,7 +23,7 @@ fn tiny(filter: warpath::scene::Filter) -> Scene {
     );
     scene(vec3(0.3, -3.4, 1.9), Vec3::ZERO, 30.0, [8, 6], filter)
         .depth(3)
-        .sky([0.2, 0.3, 0.4])
+        .constant_environment([0.2, 0.3, 0.4])
         .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
         .solid("block", block, [0.3, 0.6, 0.5])
         .light("lamp", ceiling(vec3(0.2, 0.1, 2.2), 0.5), [8.0, 7.0, 6.0])

@@ -38,7 +38,7 @@ fn everything(filter: Filter, depth: u32) -> Scene {
         filter,
     )
     .depth(depth)
-    .sky([0.3, 0.4, 0.5])
+    .constant_environment([0.3, 0.4, 0.5])
     .solid("floor", floor(1.5, 0.0), [0.6, 0.5, 0.7])
     .solid(
         "corner",

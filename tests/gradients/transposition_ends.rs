@@ -161,7 +161,10 @@ fn lit(scene: &Scene) -> Vec<(&'static str, Scene)> {
     vec![
         ("a lamp", lamp_lit),
         ("a lamp with a picture", pictured),
-        ("an even sky", scene.clone().sky([0.5, 0.6, 0.8])),
+        (
+            "an even sky",
+            scene.clone().constant_environment([0.5, 0.6, 0.8]),
+        ),
         ("a sunny sky", scene.clone().sunny()),
         (
             "a bulb",
@@ -186,7 +189,7 @@ fn directions(scene: &Scene, random: &mut Random) -> Vec<(&'static str, Directio
     classes.into()
 }
 
-/// Smooth materials and lights without an extent have sharp edges that `reparam` does not find.
+/// Smooth materials and delta lights have sharp edges that `reparam` does not find.
 fn method(scene: &Scene) -> Method {
     let is_smooth = |m: &Material| {
         matches!(

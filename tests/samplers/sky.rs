@@ -3,7 +3,7 @@
 use super::*;
 use glam::{Affine2, DVec3, EulerRot, Mat3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use warpath::paths::environment::distribution::Sky;
+use warpath::paths::environment::distribution::MapDistribution;
 use warpath::scene::{EnvironmentMap, Layout, Texture, Wrap};
 
 const WIDTH: usize = 24;
@@ -58,7 +58,7 @@ fn directions_have_their_density() {
     let map = turned();
     let [columns, rows] = [2 * WIDTH, 2 * (HEIGHT - 1)];
     for (name, texture) in maps() {
-        let sky = Sky::new(&texture, &map, &|| false).unwrap();
+        let sky = MapDistribution::new(&texture, &map, &|| false).unwrap();
         let mut counts = vec![0; columns * rows];
         for [u, v] in pairs(41, 3, 8) {
             let (d, density) = sky.sample(u.into(), v.into());
@@ -94,7 +94,7 @@ fn directions_have_their_density() {
 fn meridians_have_their_density() {
     let map = turned();
     for (name, texture) in maps() {
-        let sky = Sky::new(&texture, &map, &|| false).unwrap();
+        let sky = MapDistribution::new(&texture, &map, &|| false).unwrap();
         for axis in 0..2 {
             // The pole and the longitude's zero in the map, as `paths::environment::distribution` has them.
             let [pole, zero, quarter] = [

@@ -11,7 +11,7 @@
 //! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
 //! spacing of the points may be missed, and is weighed for that (`crate::boundary::reciprocal`).
 
-use crate::boundary::inclusion::Runs;
+use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
 use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::boundary::search_scene::SearchScene;
@@ -238,11 +238,11 @@ impl ShadowLine for LightLine<'_> {
         SHADOW_FAR
     }
 
-    fn runs(&self, borders: &[f64]) -> Runs {
+    fn runs(&self, borders: &[f64]) -> Intervals {
         let [from, to] = self.ends.map(f64::from);
         let part = |at: &f64| (at - from) / (to - from);
         let places = borders.iter().map(|at| part(at) * INNER_POINTS as f64);
-        Runs::with_extra(places.collect(), borders.iter().map(part))
+        Intervals::with_extra(places.collect(), borders.iter().map(part))
     }
 }
 
@@ -309,7 +309,7 @@ impl LightLine<'_> {
             let all = view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled);
             lane_of(all, lane)
         } else {
-            lane_of(vertices.colour, lane)
+            lane_of(vertices.diffuse_reflectance, lane)
         };
         let colour = lane_of(vertices.throughput, lane) * value * radiance;
         (colour.as_dvec3() * scale).as_vec3().to_array()

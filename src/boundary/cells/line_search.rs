@@ -6,7 +6,7 @@
 //! between them: the rest of the interval is searched again.
 
 use crate::boundary::inclusion_by_walks::Border;
-use crate::boundary::probe::{Seen, Sides};
+use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{Unresolved, between, between_halves};
@@ -67,7 +67,7 @@ pub struct Candidate<C> {
 }
 
 /// A crossing at which the radiance jumps.
-pub struct Met<C> {
+pub struct Jump<C> {
     pub boundary: Boundary,
     pub is_silhouette: bool,
     pub cell: C,
@@ -81,7 +81,7 @@ pub struct Met<C> {
 pub struct LineSearch<'a, C: Cell> {
     scene: &'a SearchScene<'a>,
     pub counts: &'a mut Counts,
-    pub met: Vec<Met<C>>,
+    pub met: Vec<Jump<C>>,
     /// Where something else begins to be seen, whether it is known why or not.
     pub borders: BTreeMap<C::Line, Vec<Border>>,
 }
@@ -153,7 +153,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     pub fn probe(
         &mut self,
         candidates: &[Candidate<C>],
-        mut look: impl FnMut(&[Candidate<C>], &[Vec3; LANES], Sides, &mut Counts) -> Seen,
+        mut look: impl FnMut(&[Candidate<C>], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
     ) -> Vec<Candidate<C>> {
         let mut rest = Vec::new();
         for group in candidates.chunks(LANES / 2) {
@@ -165,7 +165,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
                     directions[2 * i + k] = cell.direction(s).as_vec3();
                 }
                 let moves = cell.moves(&crossing.boundary);
-                sides.add(i, moves, crossing.kind == Kind::Bend);
+                sides.add(i, moves, crossing.kind == Kind::FacetEdge);
             }
             let (radiance, seen) = look(group, &directions, sides, self.counts);
             for (i, candidate) in group.iter().enumerate() {
@@ -189,7 +189,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         if !jump.is_finite() {
             self.counts.boundary_not_finite += 1;
         } else if jump != DVec3::ZERO && !crossing.is_hidden(seen) {
-            self.met.push(Met {
+            self.met.push(Jump {
                 boundary: crossing.boundary,
                 is_silhouette: crossing.is_silhouette(),
                 cell,

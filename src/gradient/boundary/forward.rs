@@ -76,8 +76,8 @@ impl ForwardSweep<'_> {
             return direction_from_local(n, local);
         }
         let interface = Interface {
-            colour: dual_lane(s.colour, lane),
-            second: dual_lane(s.second, lane),
+            reflectance: dual_lane(s.reflectance, lane),
+            second_reflectance: dual_lane(s.second_reflectance, lane),
             eta: dual_lane(s.eta, lane),
             k: dual_lane(s.k, lane),
             alpha: dual_number(s.alpha, lane),

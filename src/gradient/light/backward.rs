@@ -1,4 +1,4 @@
-//! The backward sweep over light: emission that rays found, light samples, the sky.
+//! The backward sweep over light: emission that rays found, light samples, the environment.
 
 use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
@@ -7,7 +7,7 @@ use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
-use crate::paths::environment::map as sky;
+use crate::paths::environment::map;
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::LightKind;
@@ -19,7 +19,7 @@ impl BackwardSweep<'_> {
     pub(crate) fn bsdf_evaluate(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
-            return vertices.colour;
+            return vertices.diffuse_reflectance;
         };
         let [lit, lobes] = vertices.kinds.lit_by(light);
         let value = bsdf_evaluate(
@@ -46,7 +46,7 @@ impl BackwardSweep<'_> {
     ) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
-            bars.interface.colour = bars.interface.colour + masked(bar.bits, bar.value);
+            bars.interface.reflectance = bars.interface.reflectance + masked(bar.bits, bar.value);
             return V3::splat(0.0);
         };
         let [lit, lobes] = vertices.kinds.lit_by(light);
@@ -259,7 +259,7 @@ impl BackwardSweep<'_> {
     }
 
     /// What the environment map brings to a vertex from `direction`, which keeps its place on the map, with this weight.
-    pub(crate) fn sky_brings(
+    pub(crate) fn environment_brings(
         &self,
         here: &Solved,
         (direction, weight): (V3<Lane>, Lane),
@@ -285,13 +285,13 @@ impl BackwardSweep<'_> {
         let own = scaled.times(value).times(radiance) * irradiance;
         bars.throughput = bars.throughput + masked(bits, own);
         let path = scaled.times(throughput);
-        let sky_bar = masked(bits, path.times(value) * irradiance);
+        let environment_bar = masked(bits, path.times(value) * irradiance);
         if let Some(map) = &environment.map {
             let texture = environment.radiance;
             for lane in (0..LANES).filter(|&l| bits >> l & 1 == 1) {
                 let d = lane_of(direction, lane);
-                let found = sky::lookup(&scene.textures[texture], map, d);
-                let bar = lane_of(sky_bar, lane);
+                let found = map::lookup(&scene.textures[texture], map, d);
+                let bar = lane_of(environment_bar, lane);
                 for (&texel, weight) in found.texels.iter().zip(found.weights) {
                     sums.add_texel(self.wanted, texture, texel, bar * weight);
                 }

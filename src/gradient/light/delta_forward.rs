@@ -1,4 +1,4 @@
-//! The tangent sweep over lights without an extent.
+//! The forward sweep over delta lights.
 
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, constant};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};

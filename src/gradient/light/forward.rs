@@ -1,6 +1,6 @@
-//! The tangent sweep over light: emission that rays found, light samples, the sky.
+//! The forward sweep over light: emission that rays found, light samples, the environment.
 
-use crate::gradient::path::forward::{Chain, ForwardSweep, MovingVertex, constant, value_of};
+use crate::gradient::path::forward::{Arriving, ForwardSweep, MovingVertex, constant, value_of};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{Lane, Mask, Real, V3};
@@ -15,7 +15,7 @@ impl ForwardSweep<'_> {
     pub(crate) fn escape(
         &self,
         vertices: &Vertices,
-        chain: &Chain,
+        chain: &Arriving,
         previous: Option<&MovingVertex>,
     ) -> V3<Lane> {
         let Some(environment) = &self.view.scene.environment else {
@@ -23,7 +23,7 @@ impl ForwardSweep<'_> {
         };
         let direction = value_of(chain.direction);
         let value = self.view.environment_radiance(environment, direction);
-        let tangent = self.motion.sky_tangent(
+        let tangent = self.motion.environment_change(
             self.view.scene,
             environment,
             direction,
@@ -35,12 +35,12 @@ impl ForwardSweep<'_> {
             return seen;
         };
         let weight = vertices.emission_weight;
-        let brings = self.sky_brings(from, vertices.direction, weight);
+        let brings = self.environment_brings(from, vertices.direction, weight);
         V3::select(lane_mask(sampled), brings, seen)
     }
 
     /// What the environment map brings to a vertex from `direction`, which keeps its place on the map.
-    pub(crate) fn sky_brings(
+    pub(crate) fn environment_brings(
         &self,
         here: &MovingVertex,
         direction: V3<Lane>,
@@ -55,7 +55,7 @@ impl ForwardSweep<'_> {
         let scene = self.view.scene;
         let brighter = self
             .motion
-            .sky_tangent(scene, environment, direction, turning);
+            .environment_change(scene, environment, direction, turning);
         let irradiance = direction_irradiance(here.n, w) * constant(weight);
         let arrives = self
             .bsdf_evaluate(here, w, LightKind::Sampled)
@@ -69,7 +69,7 @@ impl ForwardSweep<'_> {
     /// moves. In others it is seen as by the camera.
     pub(crate) fn emission(
         &self,
-        chain: &Chain,
+        chain: &Arriving,
         here: &MovingVertex,
         previous: Option<&MovingVertex>,
     ) -> V3<Lane> {

@@ -10,14 +10,14 @@ use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
 use crate::kernels::bsdf::Interface;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
-use crate::paths::environment::map as sky;
+use crate::paths::environment::map;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::interface::slot_values;
 use glam::Vec3;
 
-/// Runs backward sweeps over a tile's store.
+/// Intervals backward sweeps over a tile's store.
 pub struct BackwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub wanted: &'a Wanted,
@@ -81,8 +81,8 @@ impl VertexBars {
             direction: none,
             throughput: none,
             interface: Interface {
-                colour: none,
-                second: none,
+                reflectance: none,
+                second_reflectance: none,
                 eta: none,
                 k: none,
                 alpha: zero,
@@ -95,8 +95,8 @@ impl VertexBars {
     pub fn add_interface(&mut self, bits: u32, s: &Interface<Lane>) {
         let zero = Lane::splat(0.0);
         let sum = &mut self.interface;
-        sum.colour = sum.colour + masked(bits, s.colour);
-        sum.second = sum.second + masked(bits, s.second);
+        sum.reflectance = sum.reflectance + masked(bits, s.reflectance);
+        sum.second_reflectance = sum.second_reflectance + masked(bits, s.second_reflectance);
         sum.eta = sum.eta + masked(bits, s.eta);
         sum.k = sum.k + masked(bits, s.k);
         sum.alpha += <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
@@ -105,7 +105,7 @@ impl VertexBars {
 
 /// What a vertex hands to the one before it: the cotangents of the ray between them and of the throughput, and those that
 /// emission found by the bounce has for the earlier vertex itself.
-pub(crate) struct Chain {
+pub(crate) struct Returning {
     /// The derivative by the radiance of each path.
     radiance_bar: V3<Lane>,
     pub origin: V3<Lane>,
@@ -114,7 +114,7 @@ pub(crate) struct Chain {
     earlier: VertexBars,
 }
 
-impl Chain {
+impl Returning {
     fn begin(radiance_bar: V3<Lane>) -> Self {
         let zero = V3::splat(0.0);
         Self {
@@ -140,7 +140,7 @@ impl BackwardSweep<'_> {
     ) {
         let path = store.path(packet);
         let mut next: Option<Solved> = None;
-        let mut chain = Chain::begin(radiance_bar);
+        let mut chain = Returning::begin(radiance_bar);
         for (k, vertices) in path.iter().enumerate().rev() {
             let here = next.take().or_else(|| self.solve(vertices));
             let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
@@ -169,11 +169,11 @@ impl BackwardSweep<'_> {
         store: &TileStore,
         vertices: &Vertices,
         (here, before): (Option<&Solved>, Option<&Solved>),
-        after: Chain,
+        after: Returning,
         sums: &mut TileSums,
-    ) -> Chain {
+    ) -> Returning {
         let radiance_bar = after.radiance_bar;
-        let mut back = Chain::begin(radiance_bar);
+        let mut back = Returning::begin(radiance_bar);
         if vertices.escaped != 0 {
             self.escape(vertices, before, &mut back, sums);
         }
@@ -189,11 +189,11 @@ impl BackwardSweep<'_> {
             self.emission((here, before), radiance_bar, &mut bars, earlier, sums);
             self.light_sample(here, radiance_bar, &mut bars, sums);
         }
-        if let Some(sample) = store.sky_sample(vertices) {
+        if let Some(sample) = store.environment_sample(vertices) {
             let lit = sample.weight.gt(Lane::splat(0.0)).to_bits();
             let bar = Cotangent::of_lanes(lit, radiance_bar);
             let sample = (sample.direction, sample.weight);
-            self.sky_brings(here, sample, bar, &mut bars, sums);
+            self.environment_brings(here, sample, bar, &mut bars, sums);
         }
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
@@ -210,7 +210,7 @@ impl BackwardSweep<'_> {
         &self,
         vertices: &Vertices,
         before: Option<&Solved>,
-        back: &mut Chain,
+        back: &mut Returning,
         sums: &mut TileSums,
     ) {
         let scene = self.view.scene;
@@ -222,7 +222,7 @@ impl BackwardSweep<'_> {
         if let (Some(from), true) = (before, sampled != 0) {
             let bar = Cotangent::of_lanes(sampled, radiance_bar);
             let sample = (vertices.direction, vertices.emission_weight);
-            self.sky_brings(from, sample, bar, &mut back.earlier, sums);
+            self.environment_brings(from, sample, bar, &mut back.earlier, sums);
         }
         let seen = vertices.escaped & !sampled;
         let value = self
@@ -240,7 +240,7 @@ impl BackwardSweep<'_> {
         for lane in (0..LANES).filter(|&l| seen >> l & 1 == 1) {
             let bar = lane_of(value_bar, lane);
             let d = lane_of(vertices.direction, lane);
-            let found = sky::lookup(&scene.textures[texture], map, d);
+            let found = map::lookup(&scene.textures[texture], map, d);
             for (&texel, weight) in found.texels.iter().zip(found.weights) {
                 sums.add_texel(self.wanted, texture, texel, bar * weight);
             }
@@ -279,7 +279,7 @@ impl BackwardSweep<'_> {
         let direction = masked(bits, direction);
         let local = vertices.local;
         let Some(interface) = &here.interface else {
-            bars.interface.colour = bars.interface.colour + weight_bar;
+            bars.interface.reflectance = bars.interface.reflectance + weight_bar;
             if self.wanted.attached() {
                 let (n, _) = direction_from_local_adjoint(here.n, local, direction);
                 bars.n = bars.n + masked(bits, n);

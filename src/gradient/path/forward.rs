@@ -1,4 +1,4 @@
-//! The tangent sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
+//! The forward sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
 
 use crate::gradient::scene::forward::{Motion, MovingCamera, dual_vector, tangent_of};
 use crate::kernels::bsdf::{
@@ -18,7 +18,7 @@ use crate::scene::Rgb;
 
 pub(crate) type D = Dual<Lane>;
 
-/// Runs tangent sweeps over a tile's store.
+/// Intervals forward sweeps over a tile's store.
 pub struct ForwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub motion: &'a Motion,
@@ -27,7 +27,7 @@ pub struct ForwardSweep<'a> {
 }
 
 /// The state that one vertex hands to the next.
-pub(crate) struct Chain {
+pub(crate) struct Arriving {
     pub origin: V3<D>,
     pub direction: V3<D>,
     pub throughput: V3<D>,
@@ -35,7 +35,7 @@ pub(crate) struct Chain {
     pub moves: bool,
 }
 
-impl Chain {
+impl Arriving {
     /// Keeps the tangents, and takes the values from the path that was stored: its rays start a little off the surfaces, which
     /// matters where the next one is near.
     fn follow(&mut self, vertices: &Vertices) {
@@ -55,7 +55,7 @@ pub(crate) struct MovingVertex<'a> {
     /// The ray that arrived, and the path's weight with it.
     pub direction: V3<D>,
     pub throughput: V3<D>,
-    pub colour: V3<D>,
+    pub diffuse_reflectance: V3<D>,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<D>>,
 }
@@ -71,11 +71,17 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points (`u`, `v`).
-    pub fn radiance_tangent(&self, store: &TileStore, packet: usize, u: Lane, v: Lane) -> V3<Lane> {
+    pub fn radiance_derivative(
+        &self,
+        store: &TileStore,
+        packet: usize,
+        u: Lane,
+        v: Lane,
+    ) -> V3<Lane> {
         let camera = &self.camera_lanes;
         let (px, py) = self.view.camera.film_to_camera(constant(u), constant(v));
         let [x, y, z] = camera.axes;
-        let mut chain = Chain {
+        let mut chain = Arriving {
             origin: camera.origin,
             direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
             throughput: V3::splat(1.0),
@@ -96,7 +102,7 @@ impl<'a> ForwardSweep<'a> {
         &self,
         store: &TileStore,
         vertices: &'v Vertices,
-        chain: &mut Chain,
+        chain: &mut Arriving,
         previous: Option<&MovingVertex>,
     ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
         chain.follow(vertices);
@@ -115,10 +121,10 @@ impl<'a> ForwardSweep<'a> {
             sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));
             sum = sum + self.light_sample(&here);
         }
-        if let Some(sample) = store.sky_sample(vertices) {
+        if let Some(sample) = store.environment_sample(vertices) {
             let lit = sample.weight.gt(Lane::splat(0.0));
             if lit.any() {
-                let brings = self.sky_brings(&here, sample.direction, sample.weight);
+                let brings = self.environment_brings(&here, sample.direction, sample.weight);
                 sum = sum + V3::select(lit, brings, V3::splat(0.0));
             }
         }
@@ -134,7 +140,7 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// The ray's end, solved again with everything moving.
-    fn moving_vertex<'v>(&self, vertices: &'v Vertices, chain: &Chain) -> MovingVertex<'v> {
+    fn moving_vertex<'v>(&self, vertices: &'v Vertices, chain: &Arriving) -> MovingVertex<'v> {
         let geometry = self.view.geometry;
         let ids = geometry.corners(&vertices.triangle);
         let corners = self.motion.corners(geometry, &ids);
@@ -160,12 +166,12 @@ impl<'a> ForwardSweep<'a> {
             b: [b1, b2],
             direction: chain.direction,
             throughput: chain.throughput,
-            colour: dual_vector(vertices.colour, V3::splat(0.0)),
+            diffuse_reflectance: dual_vector(vertices.diffuse_reflectance, V3::splat(0.0)),
             interface: None,
         };
         if special != 0 || self.view.materials.any_texture || self.motion.colours {
             let interface = self.interface(&here);
-            here.colour = interface.colour;
+            here.diffuse_reflectance = interface.reflectance;
             here.interface = (special != 0).then_some(interface);
         }
         here
@@ -179,8 +185,8 @@ impl<'a> ForwardSweep<'a> {
         let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
         let tangent = view.interface_change(here.vertices, b, db, change);
         Interface {
-            colour: dual_vector(value.colour, tangent.colour),
-            second: dual_vector(value.second, tangent.second),
+            reflectance: dual_vector(value.reflectance, tangent.reflectance),
+            second_reflectance: dual_vector(value.second_reflectance, tangent.second_reflectance),
             eta: dual_vector(value.eta, tangent.eta),
             k: dual_vector(value.k, tangent.k),
             alpha: Dual {
@@ -200,7 +206,7 @@ impl<'a> ForwardSweep<'a> {
     /// π times the BSDF for light of this kind that arrives along `w`.
     pub(crate) fn bsdf_evaluate(&self, here: &MovingVertex, w: V3<D>, light: LightKind) -> V3<D> {
         let Some(interface) = &here.interface else {
-            return here.colour;
+            return here.diffuse_reflectance;
         };
         let cos_out = value_of(here.n).dot(value_of(w).normalize());
         let [lit, lobes] = here.vertices.kinds.lit_by(light);
@@ -221,7 +227,10 @@ impl<'a> ForwardSweep<'a> {
         let vertices = here.vertices;
         let local = dual_vector(vertices.local, V3::splat(0.0));
         let Some(interface) = &here.interface else {
-            return (direction_from_local(here.n, local), here.colour);
+            return (
+                direction_from_local(here.n, local),
+                here.diffuse_reflectance,
+            );
         };
         let (direction, weight) = bsdf_sample(
             here.n,

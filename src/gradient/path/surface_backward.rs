@@ -1,9 +1,9 @@
-//! Between a vertex of a path and the triangle it lies on, in the adjoint sweep.
+//! Between a vertex of a path and the triangle it lies on, in the backward sweep.
 
 use crate::adjoint::bsdf::consistent_normal_adjoint;
 use crate::adjoint::normal::{face_normal_adjoint, shading_normal_adjoint};
 use crate::adjoint::triangle::triangle_hit_adjoint;
-use crate::gradient::path::backward::{BackwardSweep, Chain, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Returning, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::consistent_normal;
 use crate::kernels::normal::{face_normal, shading_normal};
@@ -60,7 +60,7 @@ impl BackwardSweep<'_> {
         &self,
         here: &Solved,
         bars: &VertexBars,
-        back: &mut Chain,
+        back: &mut Returning,
         sums: &mut TileSums,
     ) {
         let vertices = here.vertices;

@@ -20,7 +20,7 @@ pub struct Wanted {
     pub environment: bool,
     pub delta_lights: bool,
     /// Whether an index of refraction that bends rays is wanted.
-    pub bends: bool,
+    pub refraction_moves: bool,
 }
 
 impl Wanted {
@@ -32,7 +32,7 @@ impl Wanted {
             to_uv: request.to_uv.iter().map(Option::is_some).collect(),
             environment: request.environment.is_some(),
             delta_lights: request.delta_lights.iter().any(Option::is_some),
-            bends: request.bends(scene),
+            refraction_moves: request.refraction_moves(scene),
         }
     }
 
@@ -43,7 +43,7 @@ impl Wanted {
 
     /// Whether rays move with what is wanted, so that everything along a path does.
     pub fn attached(&self) -> bool {
-        self.geometry() || self.bends
+        self.geometry() || self.refraction_moves
     }
 
     /// Whether any vertex or the camera is wanted.

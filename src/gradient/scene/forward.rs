@@ -1,7 +1,7 @@
 //! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over [`Geometry`].
 
 use crate::lanes::{Dual, LANES, Lane, Real, V3};
-use crate::paths::environment::map as sky;
+use crate::paths::environment::map;
 use crate::paths::rays::{from_lanes, lane_of, splat};
 use crate::paths::surface::texture::Lookup;
 use crate::scene::{
@@ -25,7 +25,7 @@ pub struct Motion {
     pub to_uv: Vec<Option<[f32; 6]>>,
     /// Whether any of them changes.
     pub colours: bool,
-    /// Velocity of each light without an extent.
+    /// Velocity of each delta light.
     pub delta_lights: Vec<Vec3>,
     pub environment: EnvironmentDifferential,
 }
@@ -90,7 +90,7 @@ impl Motion {
     }
 
     /// The change of the environment's radiance along directions that change by `turning`.
-    pub fn sky_tangent(
+    pub fn environment_change(
         &self,
         scene: &Scene,
         environment: &Environment,
@@ -104,7 +104,7 @@ impl Motion {
         let texture = &scene.textures[environment.radiance];
         from_lanes(&std::array::from_fn(|lane| {
             let (d, turning) = (lane_of(direction, lane), lane_of(turning, lane));
-            let found = sky::lookup(texture, map, d);
+            let found = map::lookup(texture, map, d);
             let mixed: Vec3 = texels.map_or(Vec3::ZERO, |texels| {
                 let parts = found.texels.iter().zip(found.weights);
                 parts

@@ -2,7 +2,7 @@
 //!
 //! Directions keep their place on the map when it turns. In these coordinates the radiance is constant, and so are the
 //! densities of both strategies that sample it (light samples and wide bounces): as for area lights, multiple importance
-//! weights may be frozen, and what is left to differentiate is the surface and what hides the sky.
+//! weights may be frozen, and what is left to differentiate is the surface and what hides the environment.
 //!
 //! Lines are meridians about two axes of the map (`boundary::cells::lobe::line`), each drawn by the map's power along
 //! it, with points at quantiles of its power: most lines run through the sun, most of their points lie in it.
@@ -27,7 +27,7 @@ const SUBDIVISIONS: usize = 4;
 const ROWS_AT_ONCE: usize = 64;
 
 /// A map, prepared for sampling.
-pub struct Sky {
+pub struct MapDistribution {
     /// About +y, as the map has it: it also draws directions.
     /// Then about +x.
     tables: [Meridians; 2],
@@ -48,7 +48,7 @@ struct Meridians {
 }
 
 /// A meridian, with points on it.
-pub struct SkyLine {
+pub struct Meridian {
     pub axis: usize,
     /// 1/p(φ).
     pub inverse_density: f64,
@@ -57,7 +57,7 @@ pub struct SkyLine {
     column: usize,
 }
 
-impl Sky {
+impl MapDistribution {
     /// Prepares a map on the threads of the pool this is called in.
     pub fn new(
         texture: &Texture,
@@ -153,10 +153,10 @@ impl Sky {
     }
 
     /// A meridian about one of the two axes, drawn by a uniform number.
-    pub fn line(&self, axis: usize, u: f64) -> SkyLine {
+    pub fn line(&self, axis: usize, u: f64) -> Meridian {
         let table = &self.tables[axis];
         let (column, phi, density) = table.draw_column(u);
-        SkyLine {
+        Meridian {
             axis,
             inverse_density: 1.0 / density,
             pole: self.to_world(table.axis),
@@ -166,12 +166,12 @@ impl Sky {
     }
 
     /// The part of a line's power that lies below latitude `psi`.
-    pub fn power_below(&self, line: &SkyLine, psi: f64) -> f64 {
+    pub fn power_below(&self, line: &Meridian, psi: f64) -> f64 {
         self.tables[line.axis].power_below(line.column, psi)
     }
 
     /// The latitude below which a part of a line's power lies.
-    pub fn quantile(&self, line: &SkyLine, part: f64) -> f64 {
+    pub fn quantile(&self, line: &Meridian, part: f64) -> f64 {
         self.tables[line.axis].draw_row(line.column, part).0
     }
 }
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn samples_and_lines_integrate_the_map() {
         let (texture, map) = sunny();
-        let sky = Sky::new(&texture, &map, &|| false).unwrap();
+        let distribution = MapDistribution::new(&texture, &map, &|| false).unwrap();
         let radiance = |d: Vec3| luminance(map::lookup(&texture, &map, d).value.to_array());
         let n = 400;
         let grid = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
@@ -336,16 +336,16 @@ mod tests {
             for j in 0..n {
                 let (phi, psi) = (TAU * grid(i, 2 * n), PI * grid(j, n) - FRAC_PI_2);
                 let d = DVec3::new(psi.cos() * phi.cos(), psi.sin(), psi.cos() * phi.sin());
-                exact +=
-                    radiance(sky.to_world(d).as_vec3()) * psi.cos() * TAU * PI / (2 * n * n) as f64;
+                exact += radiance(distribution.to_world(d).as_vec3()) * psi.cos() * TAU * PI
+                    / (2 * n * n) as f64;
             }
         }
         let mut by_samples = 0.0;
         for i in 0..n {
             for j in 0..n {
-                let (d, pdf) = sky.sample(grid(i, n), grid(j, n));
+                let (d, pdf) = distribution.sample(grid(i, n), grid(j, n));
                 by_samples += radiance(d) / pdf as f64 / (n * n) as f64;
-                let again = sky.pdf(d);
+                let again = distribution.pdf(d);
                 assert!((again - pdf).abs() < 2e-2 * pdf, "{again} against {pdf}");
             }
         }
@@ -356,7 +356,7 @@ mod tests {
         for axis in 0..2 {
             let mut by_lines = 0.0;
             for i in 0..n {
-                let line = sky.line(axis, grid(i, n));
+                let line = distribution.line(axis, grid(i, n));
                 for j in 0..n {
                     let psi = PI * grid(j, n) - FRAC_PI_2;
                     let d = line.pole * psi.sin() + line.middle * psi.cos();

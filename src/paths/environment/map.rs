@@ -11,7 +11,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// The map along one direction.
 #[derive(Clone, Copy, Debug)]
-pub struct SkyLookup {
+pub struct MapLookup {
     pub value: Vec3,
     pub texels: [u32; 4],
     pub weights: [f32; 4],
@@ -39,9 +39,9 @@ pub fn value_at(texture: &Texture, [width, height]: [u32; 2], place: [f64; 2]) -
 }
 
 /// The scaled radiance along a world direction of any length.
-pub fn lookup(texture: &Texture, map: &EnvironmentMap, direction: Vec3) -> SkyLookup {
+pub fn lookup(texture: &Texture, map: &EnvironmentMap, direction: Vec3) -> MapLookup {
     let Layout::Bitmap { width, height, .. } = texture.layout else {
-        return SkyLookup {
+        return MapLookup {
             value: Vec3::from(texture.texels[0]) * map.scale,
             texels: [0; 4],
             weights: [map.scale, 0.0, 0.0, 0.0],
@@ -75,7 +75,7 @@ pub fn lookup(texture: &Texture, map: &EnvironmentMap, direction: Vec3) -> SkyLo
     let flat2 = (d.x * d.x + d.z * d.z).max(1e-12);
     let along_u = Vec3::new(-d.z, 0.0, d.x) / (TAU * flat2);
     let along_v = -(Vec3::Y - d * d.y) * (FRAC_1_PI / flat2.sqrt());
-    SkyLookup {
+    MapLookup {
         value: a * weights[0] + b * weights[1] + c * weights[2] + e * weights[3],
         texels,
         weights,

@@ -5,10 +5,10 @@ use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Pair;
-use crate::paths::environment::distribution::Sky;
+use crate::paths::environment::distribution::MapDistribution;
 use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
-use crate::paths::store::{SkySample, Vertices};
+use crate::paths::store::{EnvironmentSample, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::vertex::Surface;
 use crate::scene::Environment;
@@ -16,7 +16,11 @@ use glam::Vec3;
 
 impl At<'_> {
     /// Draws a direction of the map in every lane.
-    pub fn sample_sky(&self, sky: &Sky, counts: &mut Counts) -> SkySample {
+    pub fn sample_environment(
+        &self,
+        distribution: &MapDistribution,
+        counts: &mut Counts,
+    ) -> EnvironmentSample {
         let Self {
             view,
             vertices,
@@ -27,7 +31,7 @@ impl At<'_> {
         let (u, v) = (u.to_array(), v.to_array());
         let mut pdf = [1.0; LANES];
         let directions: [Vec3; LANES] = std::array::from_fn(|l| {
-            let (d, p) = sky.sample(u[l] as f64, v[l] as f64);
+            let (d, p) = distribution.sample(u[l] as f64, v[l] as f64);
             pdf[l] = p;
             d
         });
@@ -41,7 +45,7 @@ impl At<'_> {
         let cos = surface.n.dot(direction);
         let bounce = view.bsdf_pdf_over_cos(vertices, surface, direction) * cos;
         let weight = light / (light * light + bounce * bounce);
-        SkySample {
+        EnvironmentSample {
             direction,
             weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
             irradiance: direction_irradiance(surface.n, direction),
@@ -60,7 +64,11 @@ impl SceneView<'_> {
     }
 
     /// What the sample brings, before the throughput.
-    pub fn sky_light(&self, environment: &Environment, sample: &SkySample) -> V3<Lane> {
+    pub fn environment_light(
+        &self,
+        environment: &Environment,
+        sample: &EnvironmentSample,
+    ) -> V3<Lane> {
         let lit = sample.weight.gt(Lane::splat(0.0));
         if !lit.any() {
             return V3::splat(0.0);
@@ -76,9 +84,9 @@ impl SceneView<'_> {
 
     /// For bounces that see the map: the MIS weight against samples of it at the vertex `from`, times what turns its
     /// irradiance into the radiance of the path; and π times the BSDF times the irradiance.
-    pub fn sampled_sky(
+    pub fn sampled_environment(
         &self,
-        sky: &Sky,
+        distribution: &MapDistribution,
         vertices: &Vertices,
         from: &Vertices,
         surface: &Surface,
@@ -89,7 +97,7 @@ impl SceneView<'_> {
         let bounce = self.bsdf_pdf_over_cos(from, surface, d) * cos;
         let light = Lane::new(std::array::from_fn(|l| {
             if escaped >> l & 1 == 1 {
-                sky.pdf(lane_of(d, l))
+                distribution.pdf(lane_of(d, l))
             } else {
                 1.0
             }

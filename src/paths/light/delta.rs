@@ -1,4 +1,4 @@
-//! Lights without an extent: points and directions. They light whatever is not perfectly smooth.
+//! Delta lights: points and directions. They light whatever is not perfectly smooth.
 
 use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
@@ -12,7 +12,7 @@ use crate::scene::{DeltaLight, DeltaLightKind};
 use glam::Vec3;
 
 impl SceneView<'_> {
-    /// Looks at every light without an extent.
+    /// Looks at every delta light.
     pub fn see_delta_lights(
         &self,
         vertices: &mut Vertices,
@@ -37,7 +37,7 @@ impl SceneView<'_> {
         vertices.delta_lights = [first, store.delta_visible.len() as u32];
     }
 
-    /// Radiance that lights without an extent bring, before the throughput.
+    /// Radiance that delta lights bring, before the throughput.
     pub fn delta_light(&self, vertices: &Vertices, surface: &Surface, visible: &[u32]) -> V3<Lane> {
         let mut sum = V3::splat(0.0);
         let glass = vertices.kinds.rough_glass();
@@ -79,7 +79,7 @@ impl SceneView<'_> {
     }
 }
 
-/// The way from `x` to a light without an extent, and how much of it shadow rays go.
+/// The way from `x` to a delta light, and how much of it shadow rays go.
 pub fn toward(light: &DeltaLight, x: V3<Lane>) -> (V3<Lane>, f32) {
     match light.kind {
         DeltaLightKind::Point { position } => (splat(position) - x, SHADOW_FAR),

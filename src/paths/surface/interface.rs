@@ -184,10 +184,11 @@ pub fn texture_at(
 }
 
 fn interface(slots: &[[Vec3; LANES]; SLOTS]) -> Interface<Lane> {
-    let [colour, second, eta, k, alpha] = [0, 1, 2, 3, 4].map(|s| from_lanes(&slots[s]));
+    let [reflectance, second_reflectance, eta, k, alpha] =
+        [0, 1, 2, 3, 4].map(|s| from_lanes(&slots[s]));
     Interface {
-        colour,
-        second,
+        reflectance,
+        second_reflectance,
         eta,
         k,
         alpha: alpha.x,
@@ -201,15 +202,15 @@ pub fn slot_values(s: &Interface<Lane>, lane: usize) -> [Vec3; SLOTS] {
         y: Lane::splat(0.0),
         z: Lane::splat(0.0),
     };
-    [s.colour, s.second, s.eta, s.k, alpha].map(|v| lane_of(v, lane))
+    [s.reflectance, s.second_reflectance, s.eta, s.k, alpha].map(|v| lane_of(v, lane))
 }
 
 /// One lane of an interface.
 pub fn interface_of_lane(s: &Interface<Lane>, lane: usize) -> Interface<f64> {
     let of = |v: V3<Lane>| vector(lane_of(v, lane).as_dvec3());
     Interface {
-        colour: of(s.colour),
-        second: of(s.second),
+        reflectance: of(s.reflectance),
+        second_reflectance: of(s.second_reflectance),
         eta: of(s.eta),
         k: of(s.k),
         alpha: s.alpha.to_array()[lane] as f64,

@@ -9,7 +9,7 @@ use crate::paths::rays::lane_mask;
 pub enum LightKind {
     /// Samples of area lights and of the environment: narrow lobes see these along bounces instead.
     Sampled,
-    /// Lights without an extent, which no bounce finds.
+    /// Delta lights, which no bounce finds.
     Delta,
 }
 
@@ -43,7 +43,7 @@ impl Kinds {
         self.special() & !self.wide
     }
 
-    /// Lanes that lights without an extent light otherwise than through [`Self::rough_glass`]: all that are not
+    /// Lanes that delta lights light otherwise than through [`Self::rough_glass`]: all that are not
     /// perfectly smooth.
     pub fn lit_by_delta_lights(&self) -> u32 {
         !(self.dielectric | self.null | (self.conductor & self.smooth))

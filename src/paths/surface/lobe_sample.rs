@@ -4,7 +4,7 @@ use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::bsdf_sample;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::fresnel::fresnel_dielectric;
-use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
+use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::Numbers;
 use crate::paths::dimensions::Pair;
@@ -40,7 +40,7 @@ impl SceneView<'_> {
         let u = <Lane as Real>::select(rim.lt(one), one - rim * (one - u), u);
         vertices.local = cosine_direction(u, v);
         let direction = if surface.interface.is_none() {
-            vertices.weight = vertices.colour;
+            vertices.weight = vertices.diffuse_reflectance;
             direction_from_local(surface.n, vertices.local)
         } else {
             let (choice, _) = numbers.pair(Pair::LobeChoice);
@@ -217,8 +217,8 @@ impl SceneView<'_> {
                 if cos > 0.0 {
                     let h = (view.world + d).normalize();
                     let sin2 = n.cross(h).length_squared();
-                    let facets = facet_density(1.0 - sin2, sin2, view.alpha, true)
-                        * unhidden_over_cos(view.wi.z, view.alpha, true);
+                    let facets = ndf(1.0 - sin2, sin2, view.alpha, true)
+                        * smith_g1_over_cos(view.wi.z, view.alpha, true);
                     sum += chance * (facets / (4.0 * cos)) as f32;
                 }
             }
@@ -259,7 +259,7 @@ impl View {
         if vertices.kinds.plastic >> lane & 1 == 1 {
             // As Mitsuba weighs them: by the mean reflectances, and by what the interface reflects here.
             let mean = |v: V3<Lane>| lane_of(v, lane).element_sum().max(1e-6);
-            let (diffuse, specular) = (mean(s.colour), mean(s.second));
+            let (diffuse, specular) = (mean(s.reflectance), mean(s.second_reflectance));
             let reflected = fresnel_dielectric(wi.z, eta) as f32;
             let (a, b) = (reflected * specular, (1.0 - reflected) * diffuse);
             specular_chance = (a / (a + b)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE);

@@ -5,8 +5,8 @@ use crate::paths::surface::rough_transmission::TransmissionTable;
 use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
 
 /// Slots of a material: where its numbers go in `kernels::bsdf::Interface`.
-pub const COLOUR: usize = 0;
-pub const SECOND: usize = 1;
+pub const REFLECTANCE: usize = 0;
+pub const SECOND_REFLECTANCE: usize = 1;
 pub const ETA: usize = 2;
 pub const K: usize = 3;
 pub const ALPHA: usize = 4;
@@ -75,7 +75,7 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     let mut set = |slot: usize, texture: usize| slots[slot] = texture as u32;
     let mut rough = None;
     match *bsdf {
-        Bsdf::Diffuse { reflectance } => set(COLOUR, reflectance),
+        Bsdf::Diffuse { reflectance } => set(REFLECTANCE, reflectance),
         Bsdf::Conductor {
             eta,
             k,
@@ -83,7 +83,7 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             microfacets,
         } => {
             kinds.conductor = ALL;
-            set(COLOUR, specular_reflectance);
+            set(REFLECTANCE, specular_reflectance);
             set(ETA, eta);
             set(K, k);
             rough = Some(microfacets);
@@ -95,8 +95,8 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             microfacets,
         } => {
             kinds.dielectric = ALL;
-            set(COLOUR, specular_reflectance);
-            set(SECOND, specular_transmittance);
+            set(REFLECTANCE, specular_reflectance);
+            set(SECOND_REFLECTANCE, specular_transmittance);
             set(ETA, eta);
             rough = Some(microfacets);
         }
@@ -109,8 +109,8 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
         } => {
             kinds.plastic = ALL;
             kinds.nonlinear = if nonlinear { ALL } else { 0 };
-            set(COLOUR, diffuse_reflectance);
-            set(SECOND, specular_reflectance);
+            set(REFLECTANCE, diffuse_reflectance);
+            set(SECOND_REFLECTANCE, specular_reflectance);
             set(ETA, eta);
             rough = Some(microfacets);
         }

@@ -4,7 +4,7 @@
 //! the square of its height: no branch, no special case at grazing angles. Beckmann's are drawn from the same with
 //! its own roughness: their ratio to GGX's is at most 4/e, so one sampler serves both.
 
-use crate::kernels::microfacet::{facet_density, unhidden_over_cos};
+use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use glam::DVec3;
 
 /// A normal seen from the unit direction `wi` (z up, above the horizon), from two uniform numbers.
@@ -23,7 +23,7 @@ pub fn visible_normal(wi: DVec3, alpha: f64, [u, v]: [f64; 2]) -> DVec3 {
 pub fn pdf_normal(wi: DVec3, h: DVec3, alpha: f64) -> f64 {
     let sin2 = h.x * h.x + h.y * h.y;
     let cos_half = wi.dot(h).max(0.0);
-    facet_density(h.z * h.z, sin2, alpha, true) * unhidden_over_cos(wi.z, alpha, true) * cos_half
+    ndf(h.z * h.z, sin2, alpha, true) * smith_g1_over_cos(wi.z, alpha, true) * cos_half
 }
 
 /// D·G₁(ωᵢ)·(ωᵢ·h)/cosθᵢ over the density of [`visible_normal`]: 1 for GGX.
@@ -32,8 +32,7 @@ pub fn weight(wi: DVec3, h: DVec3, alpha: f64, is_ggx: bool) -> f64 {
         return 1.0;
     }
     let sin2 = h.x * h.x + h.y * h.y;
-    let of = |is_ggx: bool| {
-        facet_density(h.z * h.z, sin2, alpha, is_ggx) * unhidden_over_cos(wi.z, alpha, is_ggx)
-    };
+    let of =
+        |is_ggx: bool| ndf(h.z * h.z, sin2, alpha, is_ggx) * smith_g1_over_cos(wi.z, alpha, is_ggx);
     of(false) / of(true)
 }

@@ -7,7 +7,7 @@
 
 use crate::kernels::bsdf::RoughTransmission;
 use crate::kernels::fresnel::fresnel_dielectric;
-use crate::kernels::microfacet::unhidden_over_cos;
+use crate::kernels::microfacet::smith_g1_over_cos;
 use crate::lanes::Real;
 use glam::DVec3;
 
@@ -168,7 +168,7 @@ fn through(cos: f64, ratio: f64, alpha: f64, is_ggx: bool, refracts: bool) -> f6
                 (reflected, 2.0 * cos_half * h.z - wi.z)
             };
             if cos_out > 0.0 {
-                let unhidden = cos_out * unhidden_over_cos(cos_out, alpha, is_ggx);
+                let unhidden = cos_out * smith_g1_over_cos(cos_out, alpha, is_ggx);
                 let weight = crate::paths::surface::microfacet_sample::weight(wi, h, alpha, is_ggx);
                 sum += share * unhidden * weight;
             }

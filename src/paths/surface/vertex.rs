@@ -50,11 +50,11 @@ impl SceneView<'_> {
         let b = [b1, b2];
         let interface = if special != 0 || self.materials.any_texture {
             let interface = self.interface(vertices, b);
-            vertices.colour = interface.colour;
+            vertices.diffuse_reflectance = interface.reflectance;
             (special != 0).then_some(interface)
         } else {
             let black = vertices.kinds.black;
-            vertices.colour = self.per_lane(&vertices.triangle, |mesh, lane| {
+            vertices.diffuse_reflectance = self.per_lane(&vertices.triangle, |mesh, lane| {
                 let bsdf = &self.scene.materials[self.scene.meshes[mesh].material].bsdf;
                 match bsdf.colour() {
                     Some(t) if black >> lane & 1 == 0 => self.scene.constant(t),
@@ -119,7 +119,7 @@ impl SceneView<'_> {
         light: LightKind,
     ) -> V3<Lane> {
         let Some(interface) = &surface.interface else {
-            return vertices.colour;
+            return vertices.diffuse_reflectance;
         };
         let cos_out = surface.n.dot(w.normalize());
         let [lit, lobes] = vertices.kinds.lit_by(light);
@@ -140,7 +140,7 @@ impl SceneView<'_> {
         if self.limits.black_goes_on {
             return vertices.kinds.black;
         }
-        let c = vertices.colour;
+        let c = vertices.diffuse_reflectance;
         let is_black = c.x.max(c.y).max(c.z).le(Lane::splat(0.0));
         is_black.to_bits() & !vertices.kinds.special()
     }

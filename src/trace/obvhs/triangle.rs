@@ -30,7 +30,7 @@ impl Triangle {
     /// Where `ray` meets it, at whatever distance.
     #[inline(always)]
     pub fn meet(&self, ray: &Ray) -> Option<Meeting> {
-        // Known places are faster to read than counted ones.
+        // SearchCache places are faster to read than counted ones.
         match ray.axis {
             0 => self.meet_along::<0, 1, 2>(ray),
             1 => self.meet_along::<1, 2, 0>(ray),

@@ -1,4 +1,4 @@
-//! Beams of lights without an extent show the BSDF, whatever the width of its lobes.
+//! Beams of delta lights show the BSDF, whatever the width of its lobes.
 
 use super::formulas::*;
 use common::materials::Paint;

@@ -3,7 +3,7 @@
 
 use crate::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
 use crate::boundary::cells::lobe::vertex::{FAMILIES, LobeSearch};
-use crate::boundary::inclusion::Runs;
+use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::Boundary;
@@ -109,7 +109,7 @@ impl ShadowLine for Line {
         f32::INFINITY
     }
 
-    fn runs(&self, borders: &[f64]) -> Runs {
+    fn runs(&self, borders: &[f64]) -> Intervals {
         Line::runs(self, borders)
     }
 }

@@ -3,7 +3,7 @@
 //! As `boundary::cells::light` for area lights. The jump is the map's radiance where the silhouette is.
 
 use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
-use crate::boundary::inclusion::Runs;
+use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::boundary::search_scene::SearchScene;
@@ -12,7 +12,7 @@ use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
 use crate::paths::dimensions::{Branch, Pair, Single};
-use crate::paths::environment::distribution::{Sky, SkyLine};
+use crate::paths::environment::distribution::{MapDistribution, Meridian};
 use crate::paths::moving::Sector;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
@@ -27,7 +27,8 @@ const INNER_POINTS: usize = 4;
 /// Finds what hides the map on one line of every lane, about one of two axes.
 pub fn find(scene: &SearchScene, at: &At, out: &mut Found) {
     let view = scene.view;
-    let (Some(sky), Some(environment)) = (view.sky, &view.scene.environment) else {
+    let (Some(distribution), Some(environment)) = (view.map_distribution, &view.scene.environment)
+    else {
         return;
     };
     let numbers = &at.numbers;
@@ -38,7 +39,7 @@ pub fn find(scene: &SearchScene, at: &At, out: &mut Found) {
     let lines = MapLines {
         scene,
         at,
-        sky,
+        distribution,
         environment,
         axis: (family * 2.0) as usize,
         place: place.to_array(),
@@ -52,7 +53,7 @@ pub fn find(scene: &SearchScene, at: &At, out: &mut Found) {
 struct MapLines<'a> {
     scene: &'a SearchScene<'a>,
     at: &'a At<'a>,
-    sky: &'a Sky,
+    distribution: &'a MapDistribution,
     environment: &'a Environment,
     axis: usize,
     /// What draws each line, and its points.
@@ -102,7 +103,7 @@ impl<'a> MapLines<'a> {
 
     /// A lane's line, unless nothing may be found on it that moves.
     fn line_of_lane(&self, lane: usize) -> Option<MapLine<'a>> {
-        let line = self.sky.line(self.axis, self.place[lane] as f64);
+        let line = self.distribution.line(self.axis, self.place[lane] as f64);
         let n = lane_of(self.at.surface.n, lane).as_dvec3();
         let sector = Sector {
             origin: lane_of(self.at.surface.x, lane).as_dvec3(),
@@ -114,10 +115,10 @@ impl<'a> MapLines<'a> {
             return None;
         }
         let random = [self.jitter[lane], self.extra[lane]];
-        MapLine::new(self.sky, line, n, random.map(f64::from))
+        MapLine::new(self.distribution, line, n, random.map(f64::from))
     }
 
-    /// Which lanes see the sky at point `i` of their lines.
+    /// Which lanes see the environment at point `i` of their lines.
     fn open(&self, lines: &[Option<MapLine>; LANES], i: usize, out: &mut Found) -> u32 {
         let mut directions = [Vec3::Z; LANES];
         let mut wanted = 0u32;
@@ -132,7 +133,9 @@ impl<'a> MapLines<'a> {
         let surface = self.at.surface;
         let directions = from_lanes(&directions);
         let rays = RayPacket::leaving(surface.x, surface.geometric, directions, wanted);
-        self.scene.view.unoccluded(&rays, &mut out.counts.sky_cell)
+        self.scene
+            .view
+            .unoccluded(&rays, &mut out.counts.environment_cell)
     }
 
     /// Keeps what jumps by `jump` times the map's radiance at `psi` of a lane's line.
@@ -154,7 +157,7 @@ impl<'a> MapLines<'a> {
         let d = direction(&line.line, psi);
         let x = vertices.position(view.geometry, lane);
         let c = boundary.normal(view.geometry, x);
-        let Some(per_side) = line_weight(self.sky.poles(), line.line.axis, c, d) else {
+        let Some(per_side) = line_weight(self.distribution.poles(), line.line.axis, c, d) else {
             return;
         };
         let per_side = per_side * line.line.inverse_density;
@@ -182,17 +185,22 @@ impl<'a> MapLines<'a> {
 
 /// A lane's line above its horizon.
 struct MapLine<'a> {
-    sky: &'a Sky,
-    line: SkyLine,
+    distribution: &'a MapDistribution,
+    line: Meridian,
     ends: [f64; 2],
     psi: Vec<f64>,
 }
 
 impl<'a> MapLine<'a> {
     /// The part of a line above the horizon of `n`.
-    fn new(sky: &'a Sky, line: SkyLine, n: DVec3, random: [f64; 2]) -> Option<Self> {
+    fn new(
+        distribution: &'a MapDistribution,
+        line: Meridian,
+        n: DVec3,
+        random: [f64; 2],
+    ) -> Option<Self> {
         let mut own = Self {
-            sky,
+            distribution,
             ends: above_horizon(line.pole, line.middle, n)?,
             line,
             psi: Vec::new(),
@@ -208,7 +216,7 @@ impl<'a> MapLine<'a> {
         let mut psi: Vec<f64> = (0..INNER_POINTS)
             .map(|k| (k as f64 + jitter) / INNER_POINTS as f64)
             .chain([extra])
-            .map(|part| self.sky.quantile(&self.line, part))
+            .map(|part| self.distribution.quantile(&self.line, part))
             .filter(|p| (low..high).contains(p))
             .collect();
         psi.extend([low, high]);
@@ -235,18 +243,18 @@ impl ShadowLine for MapLine<'_> {
         f32::INFINITY
     }
 
-    fn runs(&self, borders: &[f64]) -> Runs {
-        let power = |psi: &f64| self.sky.power_below(&self.line, *psi);
+    fn runs(&self, borders: &[f64]) -> Intervals {
+        let power = |psi: &f64| self.distribution.power_below(&self.line, *psi);
         let places = borders.iter().map(|psi| power(psi) * INNER_POINTS as f64);
-        Runs::with_extra(places.collect(), borders.iter().map(power))
+        Intervals::with_extra(places.collect(), borders.iter().map(power))
     }
 }
 
-fn direction(line: &SkyLine, psi: f64) -> DVec3 {
+fn direction(line: &Meridian, psi: f64) -> DVec3 {
     line.pole * psi.sin() + line.middle * psi.cos().max(0.0)
 }
 
 /// Where a direction lies on a line.
-fn psi_of(line: &SkyLine, d: DVec3) -> f64 {
+fn psi_of(line: &Meridian, d: DVec3) -> f64 {
     line.pole.dot(d).atan2(line.middle.dot(d))
 }

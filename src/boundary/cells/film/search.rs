@@ -11,8 +11,8 @@
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::weights::{self, ROUNDS};
-use crate::boundary::cells::line_search::{Candidate, LineSearch, Met};
-use crate::boundary::probe::{Seen, Sides};
+use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
+use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::velocity_per_side;
 use crate::lanes::LANES;
@@ -75,7 +75,7 @@ fn searched_cells<'a>(
                 let line = LatticeLine { axis, number };
                 let (point, next) = (cells.index(line, at), cells.index(line, at + 1));
                 let (a, b) = (image.triangle[point], image.triangle[next]);
-                let differ = a != b || view.geometry.has_painted_edges(a);
+                let differ = a != b || view.geometry.has_texture_edges(a);
                 if !tile.is_inner(1 - axis, number) || !differ {
                     continue;
                 }
@@ -108,7 +108,7 @@ fn look(
     stream: &Stream,
     index: &[u32; LANES],
     counts: &mut Counts,
-) -> Seen {
+) -> Probed {
     let camera = &cells.film.view.camera;
     let start = Start {
         rays: RayPacket {
@@ -126,7 +126,7 @@ fn look(
 }
 
 /// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density.
-fn sample(cells: &LatticeCells, met: &Met<FilmCell>) -> Option<BoundarySample> {
+fn sample(cells: &LatticeCells, met: &Jump<FilmCell>) -> Option<BoundarySample> {
     let FilmTile { view, tile, .. } = *cells.film;
     let axis = met.cell.axis();
     let c = met

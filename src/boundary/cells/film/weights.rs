@@ -1,9 +1,9 @@
 //! Things on the film that are thinner than the lattice (`boundary::inclusion`).
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
-use crate::boundary::cells::line_search::{Cell, LineSearch, Met};
-use crate::boundary::inclusion::Runs;
-use crate::boundary::inclusion_by_walks::{LineRuns, RayLine};
+use crate::boundary::cells::line_search::{Cell, Jump, LineSearch};
+use crate::boundary::inclusion::Intervals;
+use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::discontinuity::arc::Arc;
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ pub fn weigh<'a>(
     search: &mut LineSearch<FilmCell<'a>>,
     skipped: &BTreeSet<(LatticeLine, i64)>,
 ) {
-    let steps = |met: &Met<FilmCell>| met.cell.coordinate(met.s);
+    let steps = |met: &Jump<FilmCell>| met.cell.coordinate(met.s);
     let mut all = std::mem::take(&mut search.met);
     all.sort_by(|a, b| {
         let by_line = a.cell.line().cmp(&b.cell.line());
@@ -27,7 +27,7 @@ pub fn weigh<'a>(
         let line = met[0].cell.line();
         let count = cells.film.tile.points[line.axis] as i64 - 1;
         // What is further away than a step does not matter.
-        let cell_of = |met: &Met<FilmCell>| steps(met).floor() as i64;
+        let cell_of = |met: &Jump<FilmCell>| steps(met).floor() as i64;
         let near: BTreeSet<i64> = met
             .iter()
             .flat_map(|met| cell_of(met) - 1..=cell_of(met) + 1)
@@ -39,19 +39,19 @@ pub fn weigh<'a>(
             }
         }
         let on_film = OnFilm { cells, line };
-        let mut runs = LineRuns::new(
+        let mut runs = InclusionByWalks::new(
             cells.scene,
             &on_film,
             search.borders.remove(&line).unwrap_or_default(),
-            Runs::new,
+            Intervals::new,
         );
         for met in met {
             let steps = steps(met);
             met.jump /= if met.is_silhouette {
                 let first = steps.floor();
-                runs.chance_of_border(steps, [first, first + 1.0])
+                runs.inclusion_of_border(steps, [first, first + 1.0])
             } else {
-                runs.chance_of_ridge(steps)
+                runs.inclusion_of_ridge(steps)
             };
         }
     }

@@ -8,8 +8,8 @@
 //! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
 //! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
 //!
-//! **Diffuse crate::boundary::inclusion::Runs;
-use crate::boundary::inclusion::Runs;
+//! **Diffuse crate::boundary::inclusion::Intervals;
+use crate::boundary::inclusion::Intervals;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
@@ -141,7 +141,10 @@ impl<'a> LaneSurface<'a> {
         let Some(interface) = self.interface else {
             let n = vector(self.n);
             let next = dvec3(direction_from_local(n, local));
-            return (next, lane_of(self.at.vertices.colour, self.lane).as_dvec3());
+            return (
+                next,
+                lane_of(self.at.vertices.diffuse_reflectance, self.lane).as_dvec3(),
+            );
         };
         let lobes = LobeMasks {
             is_diffuse: self.lobe == Lobe::Diffuse,
@@ -364,12 +367,12 @@ impl Line {
     }
 
     /// The runs between borders at these ψ, increasing.
-    pub fn runs(&self, psi: &[f64]) -> Runs {
+    pub fn runs(&self, psi: &[f64]) -> Intervals {
         let places = psi.iter().map(|&psi| self.place(psi)).collect();
         // The density of the bounce on its line is 2/π cos²ψ.
         let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
         let ends = psi.iter().map(|&psi| below(psi));
-        let mut runs = Runs::with_extra(places, ends);
+        let mut runs = Intervals::with_extra(places, ends);
         if !self.through_bounce {
             runs.extra.fill(0.0);
         }

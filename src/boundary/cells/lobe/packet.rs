@@ -4,7 +4,7 @@
 //! path is traced on either side of each (`boundary::cells::lobe::search`).
 
 use super::line::{LaneSurface, Line, Lobe};
-use super::search::{self, PROBES_OF_PART, Part, Way};
+use super::search::{self, LinePart, PROBES_OF_PART, Way};
 use super::vertex::{FAMILIES, LobeSearch};
 use crate::boundary::cells::environment::constant;
 use crate::boundary::search_scene::SearchScene;
@@ -12,7 +12,7 @@ use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::Found;
 use crate::paths::dimensions::{Branch, Pair, Single};
-use crate::paths::estimator::{Bounce, Seen};
+use crate::paths::estimator::{Bounce, BounceEnd};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -38,13 +38,13 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
     };
     let environment = view.scene.environment.as_ref();
     let is_even = environment.is_none_or(|e| e.map.is_none()) && at.vertices.kinds.special() == 0;
-    // Where only an even environment shines a line needs no more than occlusion; else every line costs walks over
+    // Where only an constant environment shines a line needs no more than occlusion; else every line costs walks over
     // whatever is seen, and one lane stands for all.
     if at_last && is_even {
         if environment.is_some() {
             let free = match bounce.seen {
-                Seen::Environment(free) => free,
-                Seen::Triangles(triangles) => (0..LANES)
+                BounceEnd::Environment(free) => free,
+                BounceEnd::Triangles(triangles) => (0..LANES)
                     .filter(|&l| triangles[l] == NO_TRIANGLE)
                     .fold(0, |b, l| b | 1 << l),
             };
@@ -62,7 +62,7 @@ fn among_surfaces(search: &mut LobeSearch) {
         vertices, numbers, ..
     } = *search.at;
     let environment = &search.scene.view.scene.environment;
-    let has_even_sky = environment.as_ref().is_some_and(|e| e.map.is_none());
+    let has_constant_environment = environment.as_ref().is_some_and(|e| e.map.is_none());
     let [mut narrow, mut others] = [0u32; 2];
     let looks = vertices.line_survival.to_array();
     for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
@@ -70,7 +70,7 @@ fn among_surfaces(search: &mut LobeSearch) {
             None => {}
             Some(lobe) if is_narrow(search, lobe, lane) => narrow |= 1 << lane,
             // What light samples find at the last vertex has lines of its own, on the lights.
-            Some(_) if search.at_last && !has_even_sky => {}
+            Some(_) if search.at_last && !has_constant_environment => {}
             Some(_) => others |= 1 << lane,
         }
     }
@@ -101,8 +101,8 @@ fn is_narrow(search: &LobeSearch, lobe: Lobe, lane: usize) -> bool {
 /// Whether these lanes' bounces end on different meshes.
 fn sees_several(search: &LobeSearch, lanes: u32) -> bool {
     match search.bounce.seen {
-        Seen::Environment(free) => free & lanes != 0 && free & lanes != lanes,
-        Seen::Triangles(triangles) => {
+        BounceEnd::Environment(free) => free & lanes != 0 && free & lanes != lanes,
+        BounceEnd::Triangles(triangles) => {
             let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
             let mesh_of_triangle = &search.scene.view.geometry.mesh_of_triangle;
             let mesh = |triangle: u32| {
@@ -130,7 +130,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     let line = if lobe == Lobe::Diffuse {
         let bounce = lane_of(search.bounce.rays.direction, lane);
         let bounce = bounce.as_dvec3().normalize();
-        let is_known = matches!(search.bounce.seen, Seen::Triangles(_));
+        let is_known = matches!(search.bounce.seen, BounceEnd::Triangles(_));
         Some(Line::diffuse(&at, bounce, search.axis, jitter, is_known))
     } else {
         let family = (number(Single::LobeFamily, 0) * FAMILIES) as usize;
@@ -150,7 +150,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     };
     let geometric = lane_of(here.surface.geometric, lane).as_dvec3();
     let Some((psi, [before, beyond])) = line.cut(geometric) else {
-        let part = Part {
+        let part = LinePart {
             line: &line,
             choice: &choice,
             probe_index: &probes,
@@ -160,12 +160,12 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     };
     let cells = before.psi.len() as u32 - 1;
     let parts = [
-        Part {
+        LinePart {
             line: &before,
             choice: &choice,
             probe_index: &probes,
         },
-        Part {
+        LinePart {
             line: &beyond,
             choice: &|cell| choice(cells + cell),
             probe_index: &|number| probes(PROBES_OF_PART + number),

@@ -3,9 +3,9 @@
 use super::line::{LaneSurface, Line};
 use super::vertex::{FAMILIES, LobeSearch};
 use crate::boundary::cells::line_search::{Cell, LineSearch};
-use crate::boundary::inclusion_by_walks::{LineRuns, RayLine};
+use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, probe_angle};
-use crate::boundary::probe::{Seen as Probed, Sides};
+use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
@@ -13,7 +13,7 @@ use crate::discontinuity::crossing::Crossing;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
-use crate::paths::estimator::Seen;
+use crate::paths::estimator::BounceEnd;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
@@ -36,7 +36,7 @@ pub struct Way<'a> {
 }
 
 /// A line, or a part of one, all of which lies on one side of the triangle it starts on; and its random numbers.
-pub struct Part<'a> {
+pub struct LinePart<'a> {
     pub line: &'a Line,
     /// Uniform, for each cell.
     pub choice: &'a dyn Fn(u32) -> f64,
@@ -45,7 +45,7 @@ pub struct Part<'a> {
 }
 
 /// Finds what jumps on a part of a line.
-pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &Part) {
+pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &LinePart) {
     let (scene, here, line) = (search.scene, search.at, part.line);
     let point = SurfacePoint::of_lane(here, way.lane);
     let cells = cells(search, &point, way, line);
@@ -80,13 +80,13 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
         met, mut borders, ..
     } = on_line;
     let borders = borders.remove(&()).unwrap_or_default();
-    let mut runs = LineRuns::new(scene, &from_here, borders, |psi| line.runs(&psi));
+    let mut runs = InclusionByWalks::new(scene, &from_here, borders, |psi| line.runs(&psi));
     for met in met {
         let psi = met.cell.coordinate(met.s);
         let chance = if met.is_silhouette {
-            runs.chance_of_border(psi, met.cell.ends)
+            runs.inclusion_of_border(psi, met.cell.ends)
         } else {
-            runs.chance_of_ridge(psi)
+            runs.inclusion_of_ridge(psi)
         };
         let jump = met.jump * (FAMILIES * way.weight / chance);
         search.push(at, line, met.boundary, line.direction(psi), jump);
@@ -159,7 +159,8 @@ fn cells<'a, 'b: 'a>(
         .enumerate()
         .map(|(i, &psi)| {
             let d = line.direction(psi);
-            if let (true, Seen::Triangles(triangles)) = (line.bounce == Some(i), search.bounce.seen)
+            if let (true, BounceEnd::Triangles(triangles)) =
+                (line.bounce == Some(i), search.bounce.seen)
             {
                 return (d, triangles[lane]);
             }
