@@ -41,8 +41,8 @@ fn interface(kind: Kind, alpha: f64) -> Interface<f64> {
         Kind::Glass => (GLASS_REFLECTS, GLASS_TRANSMITS, DVec3::splat(ETA)),
     };
     Interface {
-        colour: vector(colour),
-        second: vector(second),
+        reflectance: vector(colour),
+        second_reflectance: vector(second),
         eta: vector(eta),
         k: vector(METAL_K),
         alpha,
