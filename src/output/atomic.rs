@@ -1,5 +1,7 @@
 //! Writing a file so that a reader, or a crash, never meets half of it.
 
+pub use super::error::plain;
+
 use super::FileError;
 use super::unfinished::Unfinished;
 use std::fs::{self, File};
@@ -60,15 +62,6 @@ pub fn prepare_directory(directory: &Path) -> Result<(), FileError> {
                 format_args!("cannot be written into: {}", plain(&error)),
             )
         })
-}
-
-/// The operating system's sentence without the error number that Rust appends.
-pub fn plain(error: &io::Error) -> String {
-    let text = error.to_string();
-    match text.find(" (os error") {
-        Some(end) => text[..end].to_string(),
-        None => text,
-    }
 }
 
 /// Hidden, beside the file it will become (a rename must not cross file systems), and told apart by
