@@ -35,19 +35,15 @@ pub fn svg(results: &Results) -> String {
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     legend(&mut out, &columns);
+    let chart = Chart {
+        results,
+        whats,
+        columns,
+    };
     for (i, (case, _)) in cases.iter().enumerate() {
         let left = NAMES + PANEL * (i % across) as f64;
         let top = MARGIN * 2.0 + panel_height * (i / across) as f64;
-        panel(
-            &mut out,
-            results,
-            case,
-            &whats,
-            &columns,
-            left,
-            top,
-            i % across == 0,
-        );
+        chart.panel(&mut out, case, [left, top], i % across == 0);
     }
     out + "</svg>\n"
 }
@@ -60,56 +56,58 @@ fn legend(out: &mut String, columns: &[Column]) {
     }
 }
 
-#[allow(clippy::too_many_arguments)]
-fn panel(
-    out: &mut String,
-    results: &Results,
-    case: &str,
-    whats: &[&str],
-    columns: &[Column],
-    left: f64,
-    top: f64,
-    named: bool,
-) {
-    let inner = PANEL - 2.0 * MARGIN / 2.0;
-    let at = |ratio: f64| left + inner * (0.5 + ratio.log2() / (2.0 * DOUBLINGS)).clamp(0.0, 1.0);
-    let bottom = top + ROW * (whats.len() as f64 + 0.5);
-    text(out, at(1.0), top, "middle", case);
-    for power in [-4, -2, 0, 2, 4] {
-        let ratio = f64::powi(2.0, power);
-        let (x, grey) = (at(ratio), if power == 0 { "#888888" } else { "#dddddd" });
-        let _ = writeln!(
-            out,
-            "<line x1=\"{x:.1}\" y1=\"{:.1}\" x2=\"{x:.1}\" y2=\"{bottom:.1}\" stroke=\"{grey}\"/>",
-            top + 6.0
-        );
-        let label = if power < 0 {
-            format!("1/{}", 1.0 / ratio)
-        } else {
-            format!("{ratio}")
-        };
-        text(out, x, bottom + 12.0, "middle", &label);
-    }
-    for (i, what) in whats.iter().enumerate() {
-        let y = top + ROW * (i as f64 + 1.0);
-        if named {
-            text(out, NAMES - 12.0, y + 4.0, "end", what);
+/// What is the same in all panels.
+struct Chart<'a> {
+    results: &'a Results,
+    /// What a row each is about.
+    whats: Vec<&'a str>,
+    columns: Vec<Column>,
+}
+
+impl Chart<'_> {
+    /// That of one case, with its rows' names to its left or without.
+    fn panel(&self, out: &mut String, case: &str, [left, top]: [f64; 2], has_names: bool) {
+        let inner = PANEL - 2.0 * MARGIN / 2.0;
+        let at =
+            |ratio: f64| left + inner * (0.5 + ratio.log2() / (2.0 * DOUBLINGS)).clamp(0.0, 1.0);
+        let bottom = top + ROW * (self.whats.len() as f64 + 0.5);
+        text(out, at(1.0), top, "middle", case);
+        for power in [-4, -2, 0, 2, 4] {
+            let ratio = f64::powi(2.0, power);
+            let (x, grey) = (at(ratio), if power == 0 { "#888888" } else { "#dddddd" });
+            let _ = writeln!(
+                out,
+                "<line x1=\"{x:.1}\" y1=\"{:.1}\" x2=\"{x:.1}\" y2=\"{bottom:.1}\" stroke=\"{grey}\"/>",
+                top + 6.0
+            );
+            let label = if power < 0 {
+                format!("1/{}", 1.0 / ratio)
+            } else {
+                format!("{ratio}")
+            };
+            text(out, x, bottom + 12.0, "middle", &label);
         }
-        let of = |column: &Column| results.find(case, what, column, results.threads);
-        let Some(first) = columns.first().and_then(of) else {
-            continue;
-        };
-        for (c, column) in columns.iter().enumerate() {
-            if let Some(record) = of(column) {
-                let more_is_faster = record.unit == "Mrays/s";
-                let ratio = record.median / first.median;
-                mark(
-                    out,
-                    at(if more_is_faster { ratio } else { 1.0 / ratio }),
-                    y,
-                    c,
-                    column.robust,
-                );
+        for (i, what) in self.whats.iter().enumerate() {
+            let y = top + ROW * (i as f64 + 1.0);
+            if has_names {
+                text(out, NAMES - 12.0, y + 4.0, "end", what);
+            }
+            let of = |column: &Column| self.results.find(case, what, column, self.results.threads);
+            let Some(first) = self.columns.first().and_then(of) else {
+                continue;
+            };
+            for (c, column) in self.columns.iter().enumerate() {
+                if let Some(record) = of(column) {
+                    let more_is_faster = record.unit == "Mrays/s";
+                    let ratio = record.median / first.median;
+                    mark(
+                        out,
+                        at(if more_is_faster { ratio } else { 1.0 / ratio }),
+                        y,
+                        c,
+                        column.robust,
+                    );
+                }
             }
         }
     }
