@@ -4,7 +4,7 @@
 //! [`super::single`], number for number.
 
 use super::boxes::Bundle;
-use super::lanes_of;
+use super::lanes::lanes_of;
 use super::ray::{Ray, is_sound, longest};
 use super::single::{NOWHERE, Nearest, Walk, precedes};
 use super::triangle::{EightRays, Meeting, Triangle};
