@@ -31,24 +31,43 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
         ("sampler", _) => &["sample_count", "seed"],
         ("rfilter", "tent") => &["radius"],
         ("rfilter", "gaussian") => &["stddev"],
-        ("shape", "ply" | "obj") => &[
+        ("shape", plugin) => properties_of_shape(plugin),
+        ("bsdf", plugin) => properties_of_bsdf(plugin),
+        ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
+        ("texture", _) => &["color0", "color1", "to_uv"],
+        ("emitter", "envmap") => &["filename", "scale", "to_world"],
+        ("emitter", "point") => &["position", "intensity", "to_world"],
+        ("emitter", "directional") => &["direction", "irradiance", "to_world"],
+        ("emitter", _) => &["radiance"],
+        _ => &[],
+    }
+}
+
+fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
+    match plugin {
+        "ply" | "obj" => &[
             "filename",
             "face_normals",
             "flip_normals",
             "flip_tex_coords",
             "to_world",
         ],
-        ("shape", "sphere") => &[
+        "sphere" => &[
             "center",
             "radius",
             "face_normals",
             "flip_normals",
             "to_world",
         ],
-        ("shape", _) => &["flip_normals", "to_world"],
-        ("bsdf", "diffuse") => &["reflectance"],
-        ("bsdf", "conductor") => &["material", "eta", "k", "specular_reflectance"],
-        ("bsdf", "roughconductor") => &[
+        _ => &["flip_normals", "to_world"],
+    }
+}
+
+fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
+    match plugin {
+        "diffuse" => &["reflectance"],
+        "conductor" => &["material", "eta", "k", "specular_reflectance"],
+        "roughconductor" => &[
             "material",
             "eta",
             "k",
@@ -58,13 +77,13 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
             "alpha_u",
             "alpha_v",
         ],
-        ("bsdf", "dielectric") => &[
+        "dielectric" => &[
             "int_ior",
             "ext_ior",
             "specular_reflectance",
             "specular_transmittance",
         ],
-        ("bsdf", "roughdielectric") => &[
+        "roughdielectric" => &[
             "int_ior",
             "ext_ior",
             "specular_reflectance",
@@ -74,7 +93,7 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
             "alpha_u",
             "alpha_v",
         ],
-        ("bsdf", "plastic" | "roughplastic") => &[
+        "plastic" | "roughplastic" => &[
             "int_ior",
             "ext_ior",
             "diffuse_reflectance",
@@ -83,12 +102,6 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
             "distribution",
             "alpha",
         ],
-        ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
-        ("texture", _) => &["color0", "color1", "to_uv"],
-        ("emitter", "envmap") => &["filename", "scale", "to_world"],
-        ("emitter", "point") => &["position", "intensity", "to_world"],
-        ("emitter", "directional") => &["direction", "irradiance", "to_world"],
-        ("emitter", _) => &["radiance"],
         _ => &[],
     }
 }

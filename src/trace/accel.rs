@@ -2,92 +2,15 @@
 
 #[cfg(feature = "embree")]
 use super::embree::EmbreeScene;
+use super::error::TraceError;
+use super::meshes::{MeshView, check};
 #[cfg(feature = "obvhs")]
 use super::obvhs::ObvhsScene;
+use super::options::AccelOptions;
 use super::{Backend, Coherence, Hits, Rays};
-use glam::Vec3;
 
 #[cfg(not(any(feature = "embree", feature = "obvhs")))]
 compile_error!("nothing traces rays: build with the feature embree, obvhs or both");
-
-/// A triangle mesh to be traced; copied when an [`Accel`] is built or refitted.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshView<'a> {
-    pub positions: &'a [Vec3],
-    pub triangles: &'a [[u32; 3]],
-}
-
-/// How to build an [`Accel`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AccelOptions {
-    /// What builds it and traces.
-    pub backend: Backend,
-    /// No ray slips through an edge that two triangles share. It costs speed: see `docs/embree.md` and
-    /// `docs/backends.md`.
-    pub robust: bool,
-    /// Threads that build; 1 starts none, 0 leaves the number to the library.
-    pub threads: usize,
-    /// Widest packet handed to Embree, 0 for the widest native one: lets tests go each way on any CPU.
-    pub(super) width: u32,
-    /// Bytes Embree may take, 0 for no limit: lets tests run out of memory.
-    pub(super) memory_limit: u64,
-}
-
-impl Default for AccelOptions {
-    fn default() -> Self {
-        Self {
-            backend: Backend::default(),
-            robust: true,
-            threads: 1,
-            width: 0,
-            memory_limit: 0,
-        }
-    }
-}
-
-impl AccelOptions {
-    /// Options for `threads` build threads, robust or not.
-    pub fn new(robust: bool, threads: usize) -> Self {
-        Self {
-            robust,
-            threads,
-            ..Self::default()
-        }
-    }
-
-    /// The same on another backend.
-    pub fn on(self, backend: Backend) -> Self {
-        Self { backend, ..self }
-    }
-}
-
-/// Why there is no [`Accel`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum TraceError {
-    #[error("{0}")]
-    NotBuiltIn(&'static str),
-    #[error("Embree ran out of memory: {0}")]
-    OutOfMemory(String),
-    #[error("this CPU is too old for Embree: {0}")]
-    UnsupportedCpu(String),
-    #[error("Embree failed with code {code}: {message}")]
-    Embree { code: i32, message: String },
-    #[error("no threads to build with: {0}")]
-    Threads(String),
-    #[error("mesh {mesh}: triangle {triangle} names vertex {vertex}, but there are {vertices}")]
-    Index {
-        mesh: usize,
-        triangle: usize,
-        vertex: u32,
-        vertices: usize,
-    },
-    #[error("mesh {mesh}: vertex {vertex} is not finite")]
-    NonFinite { mesh: usize, vertex: usize },
-    #[error("mesh {mesh}: {count} vertices or triangles are more than 32 bits count")]
-    TooLarge { mesh: usize, count: usize },
-    #[error("a refit must keep the number of meshes, vertices and triangles: {0}")]
-    Topology(String),
-}
 
 /// Triangles in an order that rays find fast; keeps copies of the meshes.
 #[derive(Debug)]
@@ -127,7 +50,7 @@ impl Accel {
         Ok(Accel {
             scene,
             backend: options.backend,
-            counts: meshes.iter().map(counts).collect(),
+            counts: meshes.iter().map(MeshView::counts).collect(),
         })
     }
 
@@ -141,7 +64,7 @@ impl Accel {
             return Err(TraceError::Topology(format!("{old} meshes became {new}")));
         }
         for (i, (mesh, &old)) in meshes.iter().zip(&self.counts).enumerate() {
-            let new = counts(mesh);
+            let new = mesh.counts();
             if new != old {
                 return Err(TraceError::Topology(format!(
                     "mesh {i} had {} vertices and {} triangles and now has {} and {}",
@@ -238,34 +161,4 @@ impl Accel {
             Library::Obvhs(_) => super::obvhs::VERSION.into(),
         }
     }
-}
-
-fn counts(mesh: &MeshView) -> (usize, usize) {
-    (mesh.positions.len(), mesh.triangles.len())
-}
-
-/// Refuses what no library can be trusted with.
-fn check(meshes: &[MeshView]) -> Result<(), TraceError> {
-    for (mesh, view) in meshes.iter().enumerate() {
-        for count in [view.positions.len(), view.triangles.len()] {
-            if u32::try_from(count).is_err() {
-                return Err(TraceError::TooLarge { mesh, count });
-            }
-        }
-        if let Some(vertex) = view.positions.iter().position(|p| !p.is_finite()) {
-            return Err(TraceError::NonFinite { mesh, vertex });
-        }
-        let vertices = view.positions.len();
-        for (triangle, corners) in view.triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
-                return Err(TraceError::Index {
-                    mesh,
-                    triangle,
-                    vertex,
-                    vertices,
-                });
-            }
-        }
-    }
-    Ok(())
 }

@@ -7,19 +7,25 @@ mod accel;
 mod backend;
 #[cfg(feature = "embree")]
 mod embree;
+mod error;
 #[cfg(feature = "embree")]
 mod ffi;
 #[cfg(feature = "embree")]
 pub mod floor;
 pub mod geometry;
+mod meshes;
 #[cfg(feature = "obvhs")]
 mod obvhs;
+mod options;
 mod packet;
 pub mod pattern;
 pub mod tightness;
 
-pub use accel::{Accel, AccelOptions, MeshView, TraceError};
+pub use accel::Accel;
 pub use backend::{Backend, EmbreeIsa, EmbreeQuality, ObvhsPreset, ObvhsTree};
+pub use error::TraceError;
+pub use meshes::MeshView;
+pub use options::AccelOptions;
 pub use packet::{Coherence, Hits, MISS, Rays, all_lanes};
 
 #[cfg(test)]

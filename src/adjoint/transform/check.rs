@@ -2,7 +2,8 @@
 
 use super::emit::pretty;
 use super::kind::{Kind, ident};
-use super::library::{Library, Signature};
+use super::library::Library;
+use super::signature::Signature;
 use super::{Error, in_file, refuse};
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

@@ -2,9 +2,10 @@
 
 use super::body::Reader;
 use super::kind::{Kind, ident};
-use super::library::{Library, Signature};
+use super::library::Library;
 use super::program::Op;
 use super::reverse::{Reverse, tuple_or_single};
+use super::signature::Signature;
 use super::{Error, in_file};
 use proc_macro2::TokenStream;
 use quote::quote;

@@ -1,7 +1,7 @@
 //! What one kernel file declares: its functions, structs, constants and imports.
 
 use super::kind::ident;
-use super::library::Signature;
+use super::signature::Signature;
 use super::{Error, refusal, refuse};
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};

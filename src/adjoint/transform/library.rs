@@ -2,6 +2,7 @@
 
 use super::file::{KernelFile, absolute};
 use super::kind::Kind;
+use super::signature::Signature;
 use super::{Error, in_file, refusal, refuse};
 use quote::ToTokens;
 use std::collections::BTreeMap;
@@ -10,21 +11,6 @@ use syn::spanned::Spanned;
 /// All kernel files, parsed, with their signatures.
 pub struct Library {
     pub(super) files: BTreeMap<String, KernelFile>,
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct Signature {
-    pub module: String,
-    pub name: String,
-    pub arguments: Vec<(String, Kind)>,
-    pub result: Kind,
-}
-
-impl Signature {
-    /// Whether it has an adjoint: a result to differentiate and an argument to differentiate by.
-    pub fn differentiable(&self) -> bool {
-        self.result.differentiable() && self.arguments.iter().any(|(_, k)| k.differentiable())
-    }
 }
 
 impl Library {

@@ -56,6 +56,7 @@ mod library;
 mod operation;
 mod program;
 mod reverse;
+mod signature;
 #[cfg(test)]
 mod tests;
 

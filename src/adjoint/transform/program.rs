@@ -1,7 +1,7 @@
 //! A kernel's body as a list of values, each made once from earlier ones.
 
 use super::kind::{Kind, ident};
-use super::library::Signature;
+use super::signature::Signature;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use std::collections::BTreeSet;

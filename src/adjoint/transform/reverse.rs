@@ -5,8 +5,8 @@
 
 use super::gathered::{Gathered, Term, atom, minus, term};
 use super::kind::{Kind, ident};
-use super::library::Signature;
 use super::program::{Id, Op, Program};
+use super::signature::Signature;
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 

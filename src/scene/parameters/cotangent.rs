@@ -1,7 +1,8 @@
 //! Reverse: cotangents of everything in the scene become gradients of parameters.
 
 use super::motion::pivot;
-use super::{Parameter, Target};
+use super::parameter::Parameter;
+use super::target::Target;
 use crate::scene::data::{Normals, Scene};
 use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;

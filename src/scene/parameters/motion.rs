@@ -1,7 +1,8 @@
 //! Moving a scene by finite amounts: setting values, and steps for finite differences.
 
-use super::surfaces::{from_rows, rows};
-use super::{Parameter, Target};
+use super::parameter::Parameter;
+use super::target::Target;
+use super::to_uv::{from_rows, rows};
 use crate::scene::data::{DeltaLightKind, EnvironmentMap, Mesh, Normals, Rgb, Scene};
 use crate::scene::error::SceneError;
 use crate::scene::vertex_normals::vertex_normals;

@@ -1,8 +1,9 @@
 //! Keys of textures and of lights without a shape, by the slots that use them.
 
-use super::entries::{Entry, range};
-use super::{Target, Value};
-use crate::scene::data::{DeltaLightKind, Layout, Scene, Texture};
+use super::entry::Entry;
+use super::target::Target;
+use super::to_uv::rows;
+use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Scene};
 use glam::Affine2;
 use std::collections::HashSet;
 
@@ -37,7 +38,7 @@ impl<'s> Slots<'s> {
             let owners: Vec<String> = std::iter::once(material.key.clone())
                 .chain(owners)
                 .collect();
-            let is_plastic = matches!(material.bsdf, crate::scene::data::Bsdf::Plastic { .. });
+            let is_plastic = matches!(material.bsdf, Bsdf::Plastic { .. });
             for (name, texture) in material.bsdf.slots() {
                 let is_plain = scene.textures[texture].channels == 1
                     && (name == "eta" || name == "alpha" && is_plastic);
@@ -190,47 +191,4 @@ impl<'s> Slots<'s> {
             ));
         }
     }
-}
-
-/// What such a parameter is now.
-pub(super) fn value(scene: &Scene, target: Target) -> Value {
-    let numbers = |texture: &Texture, texel: usize| {
-        let texel = &texture.texels[texel][..texture.channels];
-        Value::Numbers(texel.iter().map(|&v| f64::from(v)).collect())
-    };
-    match target {
-        Target::Texels(t) if scene.textures[t].varies() => {
-            let texture = &scene.textures[t];
-            let all = texture.texels.iter();
-            range(all.flat_map(|c| c[..texture.channels].iter().map(|&v| f64::from(v))))
-        }
-        Target::Texels(t) => numbers(&scene.textures[t], 0),
-        Target::Texel { texture, texel } => numbers(&scene.textures[texture], texel),
-        Target::ToUv(t) => {
-            let to_uv = scene.textures[t].layout.to_uv().unwrap_or_default();
-            Value::Numbers(rows(to_uv).map(f64::from).to_vec())
-        }
-        Target::EnvironmentScale => {
-            let map = scene.environment.as_ref().and_then(|e| e.map);
-            Value::Numbers(vec![map.map_or(1.0, |m| f64::from(m.scale))])
-        }
-        Target::DeltaLightPosition(i) => match scene.delta_lights[i].kind {
-            DeltaLightKind::Point { position } => {
-                Value::Numbers(position.to_array().map(f64::from).to_vec())
-            }
-            DeltaLightKind::Directional { .. } => Value::Numbers(Vec::new()),
-        },
-        _ => Value::Numbers(Vec::new()),
-    }
-}
-
-/// The two rows of a 2×3 matrix, one after the other.
-pub(super) fn rows(to_uv: Affine2) -> [f32; 6] {
-    let (x, y, t) = (to_uv.x_axis, to_uv.y_axis, to_uv.translation);
-    [x.x, y.x, t.x, x.y, y.y, t.y]
-}
-
-/// The transform of [`rows`].
-pub(super) fn from_rows([a, b, c, d, e, f]: [f32; 6]) -> Affine2 {
-    Affine2::from_cols_array(&[a, d, b, e, c, f])
 }

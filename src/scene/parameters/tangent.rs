@@ -1,7 +1,8 @@
 //! Forward: a direction in parameters becomes a motion of everything in the scene.
 
+use super::find;
 use super::motion::pivot;
-use super::{Target, find};
+use super::target::Target;
 use crate::scene::data::{Normals, Scene};
 use crate::scene::differential::{CameraDifferential, SceneDifferential};
 use crate::scene::error::SceneError;

@@ -4,9 +4,9 @@
 //! [`super::single`], number for number.
 
 use super::boxes::Bundle;
-use super::lanes_of;
+use super::lanes::lanes_of;
 use super::ray::{Ray, is_sound, longest};
-use super::single::{NOWHERE, Nearest, Walk, precedes};
+use super::single::{NOWHERE, Nearest, Walk};
 use super::triangle::{EightRays, Meeting, Triangle};
 use crate::lanes::F32x8;
 use crate::trace::Rays;
@@ -67,100 +67,42 @@ impl<'a, const N: usize> Eight<'a, N> {
 
     /// The first triangle that each ray meets; lanes that are not asked meet nothing.
     pub fn first(&self, bvh: &CwBvh, triangles: &[Triangle]) -> [Nearest; 8] {
-        let mut t = self.tfar;
-        let mut uv = [F32x8::splat(0.0); 2];
-        // Places as the bits of floats, which are only ever moved.
-        let mut places = F32x8::splat(f32::from_bits(NOWHERE));
-        let mut farthest = greatest(t);
+        let mut nearest = EightNearest::nothing(self.tfar);
+        let mut farthest = greatest(nearest.t);
         let mut state = Walk::along(self.direction);
         let mut node;
         obvhs::traverse!(
             bvh,
             node,
             state,
-            self.bundle.wide_hits(node, t, farthest, state.oct_inv4),
+            self.bundle
+                .wide_hits(node, nearest.t, farthest, state.oct_inv4),
             {
                 let place = state.primitive_id;
                 let triangle = &triangles[place as usize];
                 let met = self.eight.meet(triangle);
                 if met.lanes & self.lanes != 0 {
                     let beyond = met.t.simd_gt(self.tnear) & met.inside;
-                    let nearer = beyond & met.t.simd_lt(t);
-                    let bits = F32x8::splat(f32::from_bits(place));
-                    let equal = (beyond & met.t.simd_eq(t)).to_bitmask() & self.lanes;
-                    t = nearer.select(met.t, t);
-                    uv = [
-                        nearer.select(met.uv[0], uv[0]),
-                        nearer.select(met.uv[1], uv[1]),
-                    ];
-                    places = nearer.select(bits, places);
+                    let nearer = beyond & met.t.simd_lt(nearest.t);
+                    let equal = (beyond & met.t.simd_eq(nearest.t)).to_bitmask() & self.lanes;
+                    nearest.take(nearer, met.t, met.uv, place);
                     for lane in lanes_of(equal) {
-                        self.offer(
-                            lane,
-                            place,
-                            triangles,
-                            met.in_lane(lane),
-                            &mut t,
-                            &mut uv,
-                            &mut places,
-                        );
+                        nearest.offer(lane, met.in_lane(lane), place, triangles);
                     }
-                    farthest = greatest(t);
+                    farthest = greatest(nearest.t);
                 }
                 for lane in lanes_of(met.unsure & self.lanes) {
                     if let Some((ray, _)) = Ray::of(self.rays, self.at + lane)
                         && let Some(meeting) = triangle.meet(&ray)
                         && meeting.t > ray.tnear
                     {
-                        self.offer(
-                            lane,
-                            place,
-                            triangles,
-                            meeting,
-                            &mut t,
-                            &mut uv,
-                            &mut places,
-                        );
-                        farthest = greatest(t);
+                        nearest.offer(lane, meeting, place, triangles);
+                        farthest = greatest(nearest.t);
                     }
                 }
             }
         );
-        let (t, [u, v], places) = (t.to_array(), uv.map(F32x8::to_array), places.to_array());
-        std::array::from_fn(|lane| Nearest {
-            meeting: Meeting {
-                t: t[lane],
-                uv: [u[lane], v[lane]],
-            },
-            place: places[lane].to_bits(),
-        })
-    }
-
-    /// Offers one lane a triangle, the way of a single ray.
-    #[cold]
-    #[allow(clippy::too_many_arguments)]
-    fn offer(
-        &self,
-        lane: usize,
-        place: u32,
-        triangles: &[Triangle],
-        meeting: Meeting,
-        t: &mut F32x8,
-        uv: &mut [F32x8; 2],
-        places: &mut F32x8,
-    ) {
-        let put = |to: &mut F32x8, value: f32| {
-            let mut lanes = to.to_array();
-            lanes[lane] = value;
-            *to = F32x8::new(lanes);
-        };
-        let (nearest, other) = (t.to_array()[lane], places.to_array()[lane].to_bits());
-        if meeting.t < nearest || (meeting.t == nearest && precedes(place, other, triangles)) {
-            put(t, meeting.t);
-            put(&mut uv[0], meeting.uv[0]);
-            put(&mut uv[1], meeting.uv[1]);
-            put(places, f32::from_bits(place));
-        }
+        nearest.to_array()
     }
 
     /// Which rays meet anything, a bit each.
@@ -202,6 +144,69 @@ impl<'a, const N: usize> Eight<'a, N> {
             }
         );
         blocked & self.lanes
+    }
+}
+
+/// The nearest triangle of each lane so far.
+struct EightNearest {
+    t: F32x8,
+    uv: [F32x8; 2],
+    /// As the bits of floats, which are only ever moved.
+    places: F32x8,
+}
+
+impl EightNearest {
+    /// Nothing, up to `tfar`.
+    fn nothing(tfar: F32x8) -> Self {
+        Self {
+            t: tfar,
+            uv: [F32x8::splat(0.0); 2],
+            places: F32x8::splat(f32::from_bits(NOWHERE)),
+        }
+    }
+
+    /// Takes a triangle in the lanes of a mask.
+    #[inline(always)]
+    fn take(&mut self, nearer: F32x8, t: F32x8, uv: [F32x8; 2], place: u32) {
+        self.t = nearer.select(t, self.t);
+        self.uv = [
+            nearer.select(uv[0], self.uv[0]),
+            nearer.select(uv[1], self.uv[1]),
+        ];
+        let place = F32x8::splat(f32::from_bits(place));
+        self.places = nearer.select(place, self.places);
+    }
+
+    /// Offers one lane a triangle, as [`Nearest::offer`] does a single ray.
+    #[cold]
+    fn offer(&mut self, lane: usize, meeting: Meeting, place: u32, triangles: &[Triangle]) {
+        let mut nearest = self.in_lane(lane);
+        nearest.offer(meeting, place, triangles);
+        let put = |to: &mut F32x8, value: f32| {
+            let mut lanes = to.to_array();
+            lanes[lane] = value;
+            *to = F32x8::new(lanes);
+        };
+        put(&mut self.t, nearest.meeting.t);
+        put(&mut self.uv[0], nearest.meeting.uv[0]);
+        put(&mut self.uv[1], nearest.meeting.uv[1]);
+        put(&mut self.places, f32::from_bits(nearest.place));
+    }
+
+    fn in_lane(&self, lane: usize) -> Nearest {
+        self.to_array()[lane]
+    }
+
+    fn to_array(&self) -> [Nearest; 8] {
+        let (t, places) = (self.t.to_array(), self.places.to_array());
+        let [u, v] = self.uv.map(F32x8::to_array);
+        std::array::from_fn(|lane| Nearest {
+            meeting: Meeting {
+                t: t[lane],
+                uv: [u[lane], v[lane]],
+            },
+            place: places[lane].to_bits(),
+        })
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod boxes;
 mod eight;
+mod lanes;
 mod ray;
 mod shipped;
 mod single;
@@ -17,6 +18,7 @@ use super::{
     AccelOptions, Coherence, Hits, MISS, MeshView, ObvhsPreset, ObvhsTree, Rays, TraceError,
 };
 use eight::Eight;
+use lanes::lanes_of;
 use obvhs::rt_triangle::RtTriangle;
 use ray::Ray;
 use single::{NOWHERE, Nearest};
@@ -211,16 +213,6 @@ impl ObvhsScene {
         let together = matches!(self.tree, Tree::Wide(_)) && self.shipped.is_none();
         if together { 8 } else { 1 }
     }
-}
-
-/// The lanes whose bits are set.
-#[inline]
-fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (bits != 0).then(|| bits.trailing_zeros() as usize)?;
-        bits &= bits - 1;
-        Some(lane)
-    })
 }
 
 fn corners(meshes: &[MeshView], mesh: u32, triangle: u32) -> [[f32; 3]; 3] {

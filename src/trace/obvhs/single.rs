@@ -47,7 +47,7 @@ impl Nearest {
 
 /// Whether the triangle at one place has a lower number than that at another.
 #[inline]
-pub fn precedes(place: u32, other: u32, triangles: &[Triangle]) -> bool {
+fn precedes(place: u32, other: u32, triangles: &[Triangle]) -> bool {
     let number = |place: u32| triangles.get(place as usize).map(|t| (t.mesh, t.triangle));
     other == NOWHERE || number(place) < number(other)
 }

@@ -1,0 +1,68 @@
+//! What a parameter stands for in the scene.
+
+use crate::scene::data::{Bsdf, Scene};
+
+/// What a differentiable parameter stands for. Indices are into the vectors of [`Scene`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// All vertices of a mesh, world units.
+    VertexPositions(usize),
+    /// A rigid translation of a mesh, world units.
+    ShapeTranslation(usize),
+    /// A rotation of a mesh: radians about the world axes through its bounding-box centre.
+    ShapeRotation(usize),
+    /// A factor on the distances from the mesh's bounding-box centre; 1 at present.
+    ShapeScale(usize),
+    /// A translation of a sensor, world units.
+    SensorTranslation(usize),
+    /// A rotation of a sensor: radians about the world axes through its position.
+    SensorRotation(usize),
+    /// The horizontal opening angle of a sensor, degrees.
+    SensorXFov(usize),
+    /// All texels of a texture.
+    Texels(usize),
+    /// One texel of a texture: a colour of a checkerboard.
+    Texel {
+        /// Index into [`Scene::textures`].
+        texture: usize,
+        /// Index into its texels.
+        texel: usize,
+    },
+    /// The two rows of the transform of a bitmap's texture coordinates.
+    ToUv(usize),
+    /// The factor on the environment map.
+    EnvironmentScale,
+    /// A rotation of the environment map: radians about the world axes.
+    EnvironmentRotation,
+    /// Where a point light is, world units.
+    DeltaLightPosition(usize),
+    /// A translation of a point light, world units.
+    DeltaLightTranslation(usize),
+}
+
+impl Target {
+    /// The sensor it belongs to, if it belongs to one.
+    pub fn sensor(self) -> Option<usize> {
+        match self {
+            Target::SensorTranslation(s) | Target::SensorRotation(s) | Target::SensorXFov(s) => {
+                Some(s)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether moving it moves what hides what.
+    pub(super) fn moves_visibility(self, scene: &Scene) -> bool {
+        match self {
+            // What is seen through a smooth interface moves with its index of refraction.
+            Target::Texels(t) => scene.materials.iter().any(
+                |m| matches!(m.bsdf, Bsdf::Dielectric { eta, microfacets: None, .. } if eta == t),
+            ),
+            Target::Texel { .. }
+            | Target::ToUv(_)
+            | Target::EnvironmentScale
+            | Target::EnvironmentRotation => false,
+            _ => true,
+        }
+    }
+}
