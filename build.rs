@@ -1,4 +1,5 @@
-//! Links Embree and OpenImageIO if they are asked for, and derives the adjoint kernels: nothing else.
+//! Links Embree and OpenImageIO if they are asked for, and derives the adjoint kernels: nothing
+//! else.
 
 #[path = "src/adjoint/build_step.rs"]
 mod adjoint;

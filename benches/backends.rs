@@ -1,4 +1,5 @@
-//! Rays on one thread: `cargo bench --bench backends`, for watching one change. `warpath bench` compares at length.
+//! Rays on one thread: `cargo bench --bench backends`, for watching one change. `warpath bench`
+//! compares at length.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use warpath::bench::cases::Case;

@@ -1,4 +1,5 @@
-//! Rays a second on one thread, by packet width, coherence flag and robustness, and against a bare C loop.
+//! Rays a second on one thread, by packet width, coherence flag and robustness, and against a bare
+//! C loop.
 //!
 //! `cargo bench --bench embree_rays`; the figures of one machine are in `docs/embree.md`.
 
@@ -102,8 +103,8 @@ fn table(
     }
 }
 
-/// What rays of each kind cost: primary, bundles of 16 of one origin by their angular spread, one bounce, and
-/// towards a light.
+/// What rays of each kind cost: primary, bundles of 16 of one origin by their angular spread, one
+/// bounce, and towards a light.
 fn workloads(accel: &Accel) -> Vec<(String, Vec<Ray>)> {
     let mut random = Random::new(1);
     let eye = Vec3::new(0.0, 0.0, -2.4);

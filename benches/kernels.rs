@@ -1,5 +1,5 @@
-//! The kernels that gradients spend their time in, and their adjoints, a number or a packet at a time:
-//! `cargo bench --bench kernels`.
+//! The kernels that gradients spend their time in, and their adjoints, a number or a packet at a
+//! time: `cargo bench --bench kernels`.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;

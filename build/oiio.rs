@@ -5,7 +5,8 @@ use crate::shim::{bind, preprocess, rerun_if_replaced, stop};
 const HEADER: &str = "OpenImageIO/imageio.h";
 const NEEDS: &str = "install what is missing with: sudo apt-get install --no-install-recommends libopenimageio-dev libclang-dev";
 
-/// Compiles and links `ffi/oiio_shim.cpp`; ends the build with one sentence where something is missing.
+/// Compiles and links `ffi/oiio_shim.cpp`; ends the build with one sentence where something is
+/// missing.
 pub fn build() {
     println!("cargo::rerun-if-changed=build/oiio.rs");
     if preprocess(&mut compiler(), "any_compiler.cpp", "").is_none() {

@@ -13,8 +13,8 @@ pub fn preprocess(compiler: &mut cc::Build, name: &str, source: &str) -> Option<
     Some(String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Builds anew when the `header` that the preprocessed `text` included changes: another version of the
-/// library may be in its place.
+/// Builds anew when the `header` that the preprocessed `text` included changes: another version of
+/// the library may be in its place.
 pub fn rerun_if_replaced(text: &str, header: &str) {
     if let Some(path) = text.split('"').find(|path| path.ends_with(header)) {
         println!("cargo::rerun-if-changed={path}");

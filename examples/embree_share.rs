@@ -1,9 +1,11 @@
-//! How much of a gradient pass is Embree: rays a second against a bare loop over rays of the same kinds.
+//! How much of a gradient pass is Embree: rays a second against a bare loop over rays of the same
+//! kinds.
 //!
-//! `cargo run --release --example embree_share [-- SCENE.xml KEY=NUMBERS [SPP]]`, on one thread. The bare loop does
-//! nothing but queries, eight rays at a time as the tracer's, of each kind: camera rays, shadow rays, bounces that look for the
-//! nearest surface, and bounces that only ask whether anything is there. The time that Embree takes of the pass is then
-//! the number of rays of each kind times what one of them costs in the bare loop.
+//! `cargo run --release --example embree_share [-- SCENE.xml KEY=NUMBERS [SPP]]`, on one thread.
+//! The bare loop does nothing but queries, eight rays at a time as the tracer's, of each kind:
+//! camera rays, shadow rays, bounces that look for the nearest surface, and bounces that only ask
+//! whether anything is there. The time that Embree takes of the pass is then the number of rays of
+//! each kind times what one of them costs in the bare loop.
 
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -155,7 +157,8 @@ impl Costs {
         })
     }
 
-    /// Of all rays by kind. Without area lights the last bounce only asks whether the environment is seen.
+    /// Of all rays by kind. Without area lights the last bounce only asks whether the environment
+    /// is seen.
     fn seconds(&self, rays: &BTreeMap<&'static str, u64>, only_environment: bool) -> f64 {
         rays.iter()
             .map(|(kind, count)| {

@@ -1,4 +1,5 @@
-//! Makes the meshes of `scenes/` and of `scenes/materials/`: `cargo run --release --example make_meshes -- scenes`.
+//! Makes the meshes of `scenes/` and of `scenes/materials/`: `cargo run --release --example
+//! make_meshes -- scenes`.
 
 #[path = "shared/mesh.rs"]
 mod mesh;
@@ -31,7 +32,8 @@ fn trefoil(t: f64) -> Point {
     .map(|x| x / 3.2)
 }
 
-/// A closed tube around `curve`, which goes once round for t from 0 to 2π, shut with `along`·`around` quadrilaterals.
+/// A closed tube around `curve`, which goes once round for t from 0 to 2π, shut with
+/// `along`·`around` quadrilaterals.
 fn tube(along: usize, around: usize, thickness: f64, curve: impl Fn(f64) -> Point) -> Mesh {
     let mut points = Vec::new();
     for i in 0..along {
@@ -107,8 +109,9 @@ fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each vertex has its normal
-/// (its place) and texture coordinates: u once around from +x by +y, v from 0 at +z to 1 at -z.
+/// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each
+/// vertex has its normal (its place) and texture coordinates: u once around from +x by +y, v from 0
+/// at +z to 1 at -z.
 fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
     let mut triangles = Vec::new();
     for j in 0..down {

@@ -1,4 +1,5 @@
-//! When refitting is worth it: speed of refitted and of new structures over vertices that have moved, as a Markdown table.
+//! When refitting is worth it: speed of refitted and of new structures over vertices that have
+//! moved, as a Markdown table.
 //!
 //!     cargo run --release --example refit
 

@@ -1,4 +1,5 @@
-//! Room in memory for what may be large: where there is none, an error and not the end of the process.
+//! Room in memory for what may be large: where there is none, an error and not the end of the
+//! process.
 
 use std::io;
 
@@ -51,7 +52,8 @@ pub fn copy<T: Copy>(of: &[T]) -> Result<Vec<T>, NoRoom> {
     Ok(items)
 }
 
-/// Asks for room that a library is going to take and would not do without. Another thread may be faster.
+/// Asks for room that a library is going to take and would not do without. Another thread may be
+/// faster.
 pub fn look_for(bytes: u64) -> Result<(), NoRoom> {
     let count = usize::try_from(bytes).map_err(|_| NoRoom { bytes })?;
     empty::<u8>(count).map(drop)

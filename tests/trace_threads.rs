@@ -12,7 +12,8 @@ fn threads() -> usize {
         .count()
 }
 
-/// The most threads there were at once beside those there are now, and how many stay a second later.
+/// The most threads there were at once beside those there are now, and how many stay a second
+/// later.
 fn started_by(work: impl FnOnce() -> Accel) -> (usize, usize) {
     let before = threads();
     let watch = std::thread::scope(|scope| {
@@ -51,7 +52,8 @@ fn builds_start_as_many_threads_as_they_are_told() {
             accel.refit(&[view]).expect("the same mesh");
             accel
         };
-        // obvhs builds in a pool of its own, in which even one thread is another than the caller's, which waits.
+        // obvhs builds in a pool of its own, in which even one thread is another than the caller's,
+        // which waits.
         let helpers = usize::from(matches!(backend, Backend::Obvhs(..)));
         let (most, stay) = started_by(|| build(1));
         assert!(

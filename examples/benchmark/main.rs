@@ -1,6 +1,8 @@
-//! Error against time, for scenes with reference gradients: Markdown tables on stdout, progress on stderr.
+//! Error against time, for scenes with reference gradients: Markdown tables on stdout, progress on
+//! stderr.
 //!
-//! `scripts/benchmark [--peers DIR] [--scenes a,b] [--filters gauss,box] [--spp 16,64,256] [--runs 16]`
+//! `scripts/benchmark [--peers DIR] [--scenes a,b] [--filters gauss,box] [--spp 16,64,256] [--runs
+//! 16]`
 //!
 //! Seconds are those of whole processes of the release binary: start, load, build, trace, write.
 

@@ -9,7 +9,8 @@ pub struct Estimate {
     pub error: f64,
 }
 
-/// What comparing gives. Numbers are relative to the reference's RMS, from which its noise is taken too.
+/// What comparing gives. Numbers are relative to the reference's RMS, from which its noise is taken
+/// too.
 #[derive(Clone, Copy, Debug)]
 pub struct Agreement {
     /// ⟨mean, reference⟩/⟨reference, reference⟩: 1 if the amplitude is right.

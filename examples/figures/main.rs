@@ -2,7 +2,8 @@
 //!
 //! `scripts/figures [--only NAME,…] [--runs 6] [--quick] [--fresh]`
 //!
-//! Writes `out/figures/NAME/` and `out/figures/figures.md`. Exits with 1 if a figure could not be made.
+//! Writes `out/figures/NAME/` and `out/figures/figures.md`. Exits with 1 if a figure could not be
+//! made.
 
 mod agreement;
 mod figures;

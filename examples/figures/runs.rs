@@ -29,7 +29,8 @@ pub fn judged(
         .collect()
 }
 
-/// Gradient images by finite differences. They are kept, and made again if the scene is no longer that of `hash`.
+/// Gradient images by finite differences. They are kept, and made again if the scene is no longer
+/// that of `hash`.
 pub fn reference(
     program: &Program,
     figure: &Figure,

@@ -1,4 +1,5 @@
-//! Numbers that look random and are the same everywhere: no state, one number for each pair of keys.
+//! Numbers that look random and are the same everywhere: no state, one number for each pair of
+//! keys.
 
 /// In 0…1, from what is numbered and which of its properties is asked for.
 pub fn chance(number: u64, property: u64) -> f64 {

@@ -8,8 +8,8 @@ use std::path::Path;
 use warpath::methods::Image;
 use warpath::output::{exr, npy, png};
 
-/// A dim sky, brighter towards its zenith (the first row), and a disc of four degrees across, ten thousand times as
-/// bright, in the direction of `SUN`.
+/// A dim sky, brighter towards its zenith (the first row), and a disc of four degrees across, ten
+/// thousand times as bright, in the direction of `SUN`.
 pub fn sun(path: &Path) -> Result<(), Box<dyn Error>> {
     const SIZE: [usize; 2] = [256, 128];
     const SUN: [f64; 3] = [0.55, 0.75, 0.37];
@@ -59,7 +59,8 @@ pub fn tiles(path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(png::write_image(path, &image)?)
 }
 
-/// A ring of texels that grow brighter while those in it grow darker: both signs, and edges in the tangent.
+/// A ring of texels that grow brighter while those in it grow darker: both signs, and edges in the
+/// tangent.
 pub fn tiles_tangent(path: &Path) -> Result<(), Box<dyn Error>> {
     let values = (0..TILES * TILES * 3).map(|i| {
         let (texel, channel) = (i / 3, i % 3);

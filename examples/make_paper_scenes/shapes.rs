@@ -5,7 +5,8 @@ use crate::mesh::{Mesh, Point};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-/// A sphere with blunt arms of uneven length, within the unit ball: concave, and it hides itself. 5120 triangles.
+/// A sphere with blunt arms of uneven length, within the unit ball: concave, and it hides itself.
+/// 5120 triangles.
 pub fn star() -> Mesh {
     const ARMS: u64 = 17;
     // Directions on a spiral, nearly even, so that arms seldom line up.
@@ -93,7 +94,8 @@ fn icosphere(cuts: usize) -> Mesh {
     mesh
 }
 
-/// A square of `side`, its normal up, with waves so flat that a mirror of it bends what it shows and hides nothing.
+/// A square of `side`, its normal up, with waves so flat that a mirror of it bends what it shows
+/// and hides nothing.
 pub fn waves(side: f64, cells: usize) -> Mesh {
     let height = |x: f64, y: f64| {
         0.005 * (5.0 * x + 2.0 * y).sin()
@@ -118,11 +120,12 @@ pub fn waves(side: f64, cells: usize) -> Mesh {
     mesh
 }
 
-/// A round bar that winds about the z axis, from z = −1 to 1: turned about it, its outline runs up or down, which no
-/// point of it does.
+/// A round bar that winds about the z axis, from z = −1 to 1: turned about it, its outline runs up
+/// or down, which no point of it does.
 pub fn corkscrew() -> Mesh {
     const TURNS: usize = 4;
-    // Whole quarters of each turn, so that the bounding box, whose centre is the pivot, lies about the axis.
+    // Whole quarters of each turn, so that the bounding box, whose centre is the pivot, lies about
+    // the axis.
     const ROWS: usize = 24 * TURNS;
     rod(ROWS, 48, |t, turn| {
         0.35 + 0.15 * (turn - TAU * TURNS as f64 * t).cos()
@@ -134,7 +137,8 @@ pub fn cylinder() -> Mesh {
     rod(8, 64, |_, _| 1.0)
 }
 
-/// A closed surface about the z axis from −1 to 1, `radius` away from it at height t in 0…1 and the angle about it.
+/// A closed surface about the z axis from −1 to 1, `radius` away from it at height t in 0…1 and the
+/// angle about it.
 fn rod(rows: usize, around: usize, radius: impl Fn(f64, f64) -> f64) -> Mesh {
     let mut mesh = Mesh::default();
     for j in 0..=rows {

@@ -3,7 +3,8 @@
 use super::program::ForwardRun;
 use crate::Result;
 
-/// Independent groups behind the standard error of one run: so many as `forward` makes of 16, 64 or 256 samples.
+/// Independent groups behind the standard error of one run: so many as `forward` makes of 16, 64 or
+/// 256 samples.
 pub const GROUPS: f64 = 4.0;
 
 /// Standard errors below this share of the reference's RMS are not taken at their word.
@@ -47,8 +48,8 @@ impl Reference {
     }
 }
 
-/// The variance of what one group of samples gives for number `i`: from the spread of the runs about `mean` and
-/// from that of each run's groups about the run.
+/// The variance of what one group of samples gives for number `i`: from the spread of the runs
+/// about `mean` and from that of each run's groups about the run.
 fn of_group(runs: &[ForwardRun], i: usize, mean: f64) -> f64 {
     let squares = |run: &ForwardRun| {
         let (between, within) = (run.gradient[i] as f64 - mean, run.stderr[i] as f64);
@@ -161,8 +162,8 @@ impl Accuracy {
 }
 
 impl ZScores {
-    /// Numbers with error bars below [`QUIET`] have them from few events or from rounding: they are compared by size.
-    /// So are those whose reference has no known error.
+    /// Numbers with error bars below [`QUIET`] have them from few events or from rounding: they are
+    /// compared by size. So are those whose reference has no known error.
     fn add(&mut self, difference: f64, variance: f64, reference_error: f64, rms: f64) {
         let variance = variance + reference_error * reference_error;
         if variance.is_nan() || variance <= (QUIET * rms).powi(2) {

@@ -12,7 +12,8 @@ const SOURCES: [(&str, &str); 2] = [
     ("tests/adjoint/kernels", "test_adjoint"),
 ];
 
-/// Derives all adjoints. What lies outside the subset fails the build with its place and one sentence.
+/// Derives all adjoints. What lies outside the subset fails the build with its place and one
+/// sentence.
 pub fn derive_adjoints() {
     println!("cargo:rerun-if-changed=src/adjoint/build_step.rs");
     println!("cargo:rerun-if-changed=src/adjoint/transform");

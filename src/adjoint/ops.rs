@@ -38,7 +38,8 @@ pub fn when<F: Real, C: Cotangent<F>>(mask: F::Mask, bar: C) -> C {
     C::choose(mask, bar, C::zero())
 }
 
-/// The cotangent of the side of a select taken where the mask does not hold: exactly zero elsewhere.
+/// The cotangent of the side of a select taken where the mask does not hold: exactly zero
+/// elsewhere.
 #[inline(always)]
 pub fn unless<F: Real, C: Cotangent<F>>(mask: F::Mask, bar: C) -> C {
     C::choose(mask, C::zero(), bar)

@@ -21,7 +21,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads busy.
+/// Jobs in hand beyond the threads: while one loads, adds up or writes, the others keep the threads
+/// busy.
 const SPARE_JOBS: usize = 2;
 
 /// Intervals the jobs of a file.
@@ -42,7 +43,8 @@ pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summ
     batch.run(&next, file.done)
 }
 
-/// Answers the lines of a stream one by one until it ends, each with a line on `output` as soon as it is done.
+/// Answers the lines of a stream one by one until it ends, each with a line on `output` as soon as
+/// it is done.
 pub fn of_stream(
     input: impl BufRead + Send + 'static,
     output: Box<dyn Write + Send>,

@@ -78,7 +78,8 @@ impl Case {
         self.scene.meshes.iter().map(|m| m.triangles.len()).sum()
     }
 
-    /// What gradients are taken by: the first shape's translation to the right, the subject's if there is one.
+    /// What gradients are taken by: the first shape's translation to the right, the subject's if
+    /// there is one.
     pub fn direction(&self) -> Option<Vec<(Parameter, Vec<f32>)>> {
         let named = |id: &str| parameters::find(&self.scene, &format!("{id}.translation")).ok();
         let ids = self.scene.meshes.iter().map(|m| m.id.as_str());

@@ -14,8 +14,8 @@ const COLOURS: [&str; 6] = [
     "#555555", "#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377",
 ];
 
-/// An SVG picture; one panel a case, one row a number, one mark a backend, right of the line where it is faster than
-/// the first backend. All of them on all threads.
+/// An SVG picture; one panel a case, one row a number, one mark a backend, right of the line where
+/// it is faster than the first backend. All of them on all threads.
 pub fn svg(results: &Results) -> String {
     let (cases, columns) = (results.cases(), results.columns());
     let mut whats: Vec<&str> = Vec::new();

@@ -34,8 +34,8 @@ struct Seen {
     normal: Vec3,
 }
 
-/// All kinds, the same whatever `accel` is; none if the camera sees nothing. One is asked twice, the second time without
-/// telling that its rays go together: what packets are worth.
+/// All kinds, the same whatever `accel` is; none if the camera sees nothing. One is asked twice,
+/// the second time without telling that its rays go together: what packets are worth.
 pub fn workloads(case: &Case, accel: &Accel) -> Option<Vec<Workload>> {
     let mut random = Random(3);
     let primary = primary(case);

@@ -1,15 +1,19 @@
-//! How likely a border on a line is to be found.
+//! Inclusion probabilities: how likely a border on a line is to be found. What is found is weighed
+//! by one over that [HorvitzThompson1952].
 //!
-//! Points are put on a line at equal distances, shifted together by one random number, and what lies between two neighbours
-//! is searched for. Between the borders that are known afterwards lie *runs*, in each of which one thing is seen. A border is
-//! found by a pair of neighbours on either side of it, but not by all such pairs: where the points fall before and behind
-//! something thin they see the same, and neither of its borders is found. What is found is weighed by one over the
-//! probability of that,
+//! Points are put on a line at equal distances, shifted together by one random number, and what
+//! lies between two neighbours is searched for. Between the borders that are known afterwards lie
+//! *intervals*, in each of which one thing is seen. A border is found by a pair of neighbours on
+//! either side of it, but not by all such pairs: where the points fall before and behind something
+//! thin they see the same, and neither of its borders is found. What is found is weighed by one
+//! over the probability of that,
 //!
-//!   P(border) = Σ over runs j before and k after it of |(R_j + 1) ∩ R_k| · [a search between points in R_j and R_k finds it],
+//!   P(border) = Σ over intervals j before and k after it of
+//!               |(R_j + 1) ∩ R_k| · [a search between points in R_j and R_k finds it],
 //!
-//! lengths being in distances of points. The sum of all the lengths is 1, so a border between two long runs has P = 1 without
-//! any search. Beyond the first and the last border the line is taken to go on for ever: its two ends are points, too.
+//! lengths being in distances of points. The sum of all the lengths is 1, so a border between two
+//! long intervals has P = 1 without any search. Beyond the first and the last border the line is
+//! taken to go on for ever: its two ends are points, too.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,31 +22,31 @@ const SMALLEST_CHANCE: f64 = 1e-3;
 /// Chances nearer to one than this are one.
 const ROUNDING: f64 = 1e-9;
 
-/// What a search between a point in one run and a point in another comes to.
+/// What a search between a point in one interval and a point in another comes to.
 #[derive(Clone, Debug, Default)]
 pub struct SearchResult {
     pub borders: BTreeSet<usize>,
     /// Intervals within which it looked at what is seen.
-    pub runs: BTreeSet<usize>,
+    pub intervals: BTreeSet<usize>,
 }
 
-/// The runs of a line. Number r lies before border r.
+/// The intervals of a line. Number r lies before border r.
 pub struct Intervals {
     /// Of the borders, increasing, in distances of points.
     pub places: Vec<f64>,
-    /// The chance that one more point, drawn independently of all others, falls in each run.
+    /// The chance that one more point, drawn independently of all others, falls in each interval.
     pub extra: Vec<f64>,
 }
 
-/// Searches by the runs between which they were made.
+/// Searches by the intervals between which they were made.
 pub type SearchCache = BTreeMap<[usize; 2], SearchResult>;
 
 impl Intervals {
     /// With another point that falls before each border with these chances.
     pub fn with_extra(places: Vec<f64>, before: impl Iterator<Item = f64>) -> Self {
         let mut extra: Vec<f64> = before.chain([1.0]).collect();
-        for run in (1..extra.len()).rev() {
-            extra[run] -= extra[run - 1];
+        for interval in (1..extra.len()).rev() {
+            extra[interval] -= extra[interval - 1];
         }
         Self { places, extra }
     }
@@ -53,9 +57,9 @@ impl Intervals {
         Self { places, extra }
     }
 
-    fn ends(&self, run: usize) -> [f64; 2] {
-        let before = run.checked_sub(1).map(|b| self.places[b]);
-        let after = self.places.get(run).copied();
+    fn ends(&self, interval: usize) -> [f64; 2] {
+        let before = interval.checked_sub(1).map(|b| self.places[b]);
+        let after = self.places.get(interval).copied();
         [
             before.unwrap_or(f64::NEG_INFINITY),
             after.unwrap_or(f64::INFINITY),
@@ -68,7 +72,8 @@ impl Intervals {
         ((to + 1.0).min(high) - (from + 1.0).max(low)).max(0.0)
     }
 
-    /// Pairs of runs, one before or equal to `first` and the other after or equal to `last`, between which there are neighbours.
+    /// Pairs of intervals, one before or equal to `first` and the other after or equal to `last`,
+    /// between which there are neighbours.
     fn pairs_around(&self, [first, last]: [usize; 2]) -> Vec<([usize; 2], f64)> {
         let mut pairs = Vec::new();
         for j in (0..=first).rev() {
@@ -89,12 +94,13 @@ impl Intervals {
         pairs
     }
 
-    /// Whether the runs on either side of a border are long.
+    /// Whether the intervals on either side of a border are long.
     pub fn is_always_found(&self, border: usize) -> bool {
         self.overlap([border, border + 1]) >= 1.0 - ROUNDING
     }
 
-    /// The probability of finding a border. `search` is asked what is found between two runs that are not neighbours.
+    /// The probability of finding a border. `search` is asked what is found between two intervals
+    /// that are not neighbours.
     pub fn inclusion_of_border(
         &self,
         border: usize,
@@ -133,11 +139,12 @@ impl Intervals {
         chance.clamp(SMALLEST_CHANCE, 1.0)
     }
 
-    /// One over the probability of finding each border of a line on which is seen only whether a light is hidden, as it is not
-    /// before the first border if `begins_open`. A search between what is hidden and what is not finds the border next to the
-    /// first (`crate::boundary::occlusion`).
+    /// One over the probability of finding each border of a line on which is seen only whether a
+    /// light is hidden, as it is not before the first border if `begins_open`. A search between
+    /// what is hidden and what is not finds the border next to the first
+    /// (`crate::boundary::occlusion`).
     pub fn shadow_weights(&self, begins_open: bool) -> Vec<f64> {
-        let is_open = |run: usize| begins_open == run.is_multiple_of(2);
+        let is_open = |interval: usize| begins_open == interval.is_multiple_of(2);
         let mut search = |[j, k]: [usize; 2]| {
             let mut reach = SearchResult::default();
             match [is_open(j), is_open(k)] {
@@ -153,26 +160,26 @@ impl Intervals {
             .collect()
     }
 
-    /// The probability that a search looks at what is seen within a run.
+    /// The probability that a search looks at what is seen within a interval.
     pub fn inclusion_within(
         &self,
-        run: usize,
+        interval: usize,
         known: &mut SearchCache,
         search: &mut impl FnMut([usize; 2]) -> SearchResult,
     ) -> f64 {
-        let [from, to] = self.ends(run);
+        let [from, to] = self.ends(interval);
         let met = to - from;
         if met >= 1.0 - ROUNDING {
             return 1.0;
         }
         let mut chance = met;
-        for (pair, overlap) in self.pairs_around([run - 1, run + 1]) {
+        for (pair, overlap) in self.pairs_around([interval - 1, interval + 1]) {
             let reach = known.entry(pair).or_insert_with(|| search(pair));
-            if reach.runs.contains(&run) {
+            if reach.intervals.contains(&interval) {
                 chance += overlap;
             }
         }
-        let extra = self.extra[run];
+        let extra = self.extra[interval];
         (chance + (1.0 - chance) * extra).clamp(SMALLEST_CHANCE, 1.0)
     }
 }
@@ -181,7 +188,8 @@ impl Intervals {
 mod tests {
     use super::*;
 
-    /// The chances are those that are counted over all shifts of the points, with one more point or without.
+    /// The chances are those that are counted over all shifts of the points, with one more point or
+    /// without.
     #[test]
     fn chances_are_those_of_counting() {
         const SHIFTS: usize = 2_000;
@@ -199,11 +207,11 @@ mod tests {
                 extra[borders] = 1.0;
                 (0..borders).for_each(|b| extra[b + 1] -= cut[b]);
             }
-            let runs = Intervals {
+            let intervals = Intervals {
                 places: places.clone(),
                 extra,
             };
-            let run_of = |place: f64| runs.places.partition_point(|&p| p < place);
+            let run_of = |place: f64| intervals.places.partition_point(|&p| p < place);
             let extras: Vec<Option<f64>> = if with_extra {
                 middles(800).map(|p| Some(0.2 + 1.6 * p)).collect()
             } else {
@@ -227,7 +235,7 @@ mod tests {
                 }
             }
             let trials = (SHIFTS * extras.len()) as f64;
-            for (weight, count) in runs.shadow_weights(true).into_iter().zip(counted) {
+            for (weight, count) in intervals.shadow_weights(true).into_iter().zip(counted) {
                 let expected = count as f64 / trials;
                 assert!(
                     (1.0 / weight - expected).abs() < 4.0 / SHIFTS as f64,

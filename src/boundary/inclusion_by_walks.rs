@@ -1,6 +1,6 @@
 //! What the searches of other points would have found on a line ([`crate::boundary::inclusion`]).
 //!
-//! Nothing is traced for it: what is seen in each run is known, and walks tell the rest.
+//! Nothing is traced for it: what is seen in each interval is known, and walks tell the rest.
 
 use crate::boundary::inclusion::{Intervals, SearchCache, SearchResult};
 use crate::boundary::search_scene::SearchScene;
@@ -32,42 +32,43 @@ pub struct Border {
     pub seen: [u32; 2],
 }
 
-/// The runs of a line, and what is seen in them.
+/// The intervals of a line, and what is seen in them.
 pub struct InclusionByWalks<'a, L> {
     scene: &'a SearchScene<'a>,
     line: &'a L,
     borders: Vec<Border>,
-    runs: Intervals,
+    intervals: Intervals,
     known: SearchCache,
 }
 
 impl<'a, L: RayLine> InclusionByWalks<'a, L> {
-    /// `borders` in any order, of which `runs` makes runs.
+    /// `borders` in any order, of which `intervals` makes intervals.
     pub fn new(
         scene: &'a SearchScene<'a>,
         line: &'a L,
         mut borders: Vec<Border>,
-        runs: impl FnOnce(Vec<f64>) -> Intervals,
+        intervals: impl FnOnce(Vec<f64>) -> Intervals,
     ) -> Self {
         borders.sort_by(|a, b| a.at.total_cmp(&b.at));
         Self {
             scene,
             line,
-            runs: runs(borders.iter().map(|b| b.at).collect()),
+            intervals: intervals(borders.iter().map(|b| b.at).collect()),
             borders,
             known: SearchCache::new(),
         }
     }
 
-    /// The run in which a coordinate lies.
+    /// The interval in which a coordinate lies.
     fn run_of(&self, at: f64) -> usize {
         self.borders.partition_point(|b| b.at < at)
     }
 
-    /// The probability of finding the border `at`, which has been found between the points at `ends`.
+    /// The probability of finding the border `at`, which has been found between the points at
+    /// `ends`.
     pub fn inclusion_of_border(&mut self, at: f64, ends: [f64; 2]) -> f64 {
         let border = self.run_of(at);
-        if self.runs.is_always_found(border) {
+        if self.intervals.is_always_found(border) {
             return 1.0;
         }
         let pair = ends.map(|end| self.run_of(end));
@@ -76,7 +77,7 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
         let reach = known.entry(pair).or_insert_with(|| search(pair));
         reach.borders.insert(border);
         let chance = self
-            .runs
+            .intervals
             .inclusion_of_border(border, &mut known, &mut search);
         self.known = known;
         chance
@@ -87,7 +88,7 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
         let mut known = std::mem::take(&mut self.known);
         let mut search = |pair| self.search(pair);
         let chance = self
-            .runs
+            .intervals
             .inclusion_within(self.run_of(at), &mut known, &mut search);
         self.known = known;
         chance
@@ -99,7 +100,8 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
         reach
     }
 
-    /// As a search for silhouettes between points in two runs goes, in the rounds and with the halvings that are left.
+    /// As a search for silhouettes between points in two intervals goes, in the rounds and with the
+    /// halvings that are left.
     fn look(&self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut SearchResult) {
         if k <= j || rounds == 0 {
             return;
@@ -128,7 +130,7 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
             Err(_) if halvings == 0 => {}
             Err(_) => {
                 let middle = self.run_of(0.5 * (from + to));
-                reach.runs.insert(middle);
+                reach.intervals.insert(middle);
                 self.look([j, middle], rounds, halvings - 1, reach);
                 self.look([middle, k], rounds, halvings - 1, reach);
             }

@@ -19,14 +19,16 @@ pub const NEAREST: f64 = 2e-6;
 /// Occluders behind one another that are followed before a cell is given up.
 const MAX_OCCLUDERS: usize = 64;
 
-/// From acute edges of bodies with shading normals they keep this many times the distance from surfaces at which rays start, but not more than
-/// this fraction. Shading normals send rays into a body, and where that is a thin wedge what starts near its edge starts on its other
-/// side and gets out.
+/// From acute edges of bodies with shading normals they keep this many times the distance from
+/// surfaces at which rays start, but not more than this fraction. Shading normals send rays into a
+/// body, and where that is a thin wedge what starts near its edge starts on its other side and gets
+/// out.
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// How far beside a crossing probes look: an angle as seen from `origin`, and the fraction of the cell that it must not exceed. What
-/// the radiance changes by over that distance is taken for a part of its jump, so it is as small as it can be.
+/// How far beside a crossing probes look: an angle as seen from `origin`, and the fraction of the
+/// cell that it must not exceed. What the radiance changes by over that distance is taken for a
+/// part of its jump, so it is as small as it can be.
 pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [f64; 2] {
     let Boundary::Edge([v, w]) = crossing.boundary else {
         return [f64::INFINITY, PROBE];
@@ -42,7 +44,8 @@ pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [
     }
 }
 
-/// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart that end near `point`.
+/// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart
+/// that end near `point`.
 pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
     let distance = point.distance(origin);
     let room = point.abs().max_element() + 1.0;
@@ -60,7 +63,8 @@ pub struct SurfacePoint {
 /// Where an occluder ends.
 pub struct OccluderEnd {
     pub edge: [u32; 2],
-    /// Where on the edge; `None` at the surface's own horizon, for which an edge of its triangle stands.
+    /// Where on the edge; `None` at the surface's own horizon, for which an edge of its triangle
+    /// stands.
     pub along: Option<f64>,
     /// Coordinate of the crossing.
     pub at: f64,
@@ -89,8 +93,8 @@ impl SurfacePoint {
             .unwrap_or([a, b])
     }
 
-    /// Where rays toward `d` start: as `rays::leave`. Walks that look for what these rays met start there too, or the
-    /// ends of what is near would seem to lie elsewhere.
+    /// Where rays toward `d` start: as `rays::leave`. Walks that look for what these rays met start
+    /// there too, or the ends of what is near would seem to lie elsewhere.
     pub fn leave(&self, d: DVec3) -> Vec3 {
         let side = d.as_vec3().dot(self.geometric).signum();
         let step = (self.x.abs().max_element() + 1.0) * OFFSET * side;
@@ -103,9 +107,9 @@ impl SurfacePoint {
     }
 }
 
-/// Walks from the occluder that stands in the direction of coordinate 0 toward the free direction of coordinate 1; where
-/// another occluder stands behind the silhouette, on along that one. Returns the last silhouette. `direction` is
-/// linear in the coordinate up to its length.
+/// Walks from the occluder that stands in the direction of coordinate 0 toward the free direction
+/// of coordinate 1; where another occluder stands behind the silhouette, on along that one. Returns
+/// the last silhouette. `direction` is linear in the coordinate up to its length.
 pub fn follow_occluders(
     scene: &SearchScene,
     point: &SurfacePoint,
@@ -123,7 +127,8 @@ pub fn follow_occluders(
             point.first_hit(view, direction(at), far) == NO_TRIANGLE
         }
     };
-    // A shading normal's horizon may reach below that of the triangle, whose own plane is then what hides.
+    // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
+    // hides.
     let height = |at: f64| point.geometric.as_dvec3().dot(direction(at));
     let (low, high) = (height(0.0), height(1.0));
     if low * high < 0.0 {

@@ -36,8 +36,8 @@ impl Sides {
 pub type Probed = (V3<Lane>, [u32; LANES]);
 
 impl SearchScene<'_> {
-    /// Radiance along those rays of which it is wanted, and the triangles that all that look meet. No boundaries are sought
-    /// along these paths.
+    /// Radiance along those rays of which it is wanted, and the triangles that all that look meet.
+    /// No boundaries are sought along these paths.
     pub fn probe(
         &self,
         start: Start,

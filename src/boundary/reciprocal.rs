@@ -1,11 +1,14 @@
-//! How likely the ends of shadows are to be found on a line on which is seen only whether a light is hidden.
+//! Reciprocal-probability estimates with a control variate [Booth2007, Zeltner2020], for the ends
+//! of shadows on a line on which is seen only whether a light is hidden.
 //!
-//! Points are put on a line at random, and between a point that is hidden and a neighbour that is not, the end of the shadow that
-//! hides the first is found. If there were no other borders on the line than those that were found, the chance of that would be known
-//! (`boundary::inclusion`). But another shadow may be so thin that no point met it. Draws until the end is found again, N, are
-//! 1/P on average, whatever is on the line; draws until it would be found if nothing else were there, M, are 1/P′ on
-//! average, P′ being the chance that is known. So 1/P′ + N − M is 1/P on average, and with the same draws for both it is
-//! 1/P′ and has no noise at all unless something else is there.
+//! Points are put on a line at random, and between a point that is hidden and a neighbour that is
+//! not, the end of the shadow that hides the first is found. If there were no other borders on the
+//! line than those that were found, the chance of that would be known (`boundary::inclusion`). But
+//! another shadow may be so thin that no point met it. Draws until the end is found again, N, are
+//! 1/P on average, whatever is on the line; draws until it would be found if nothing else were
+//! there, M, are 1/P′ on average, P′ being the chance that is known. So 1/P′ + N − M is 1/P on
+//! average, and with the same draws for both it is 1/P′ and has no noise at all unless something
+//! else is there.
 
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::{OccluderEnd, PROBE, SurfacePoint, follow_occluders};
@@ -33,8 +36,8 @@ pub trait ShadowLine {
     /// How far along them the light is.
     fn far(&self) -> f32;
 
-    /// The runs between borders at these coordinates, increasing.
-    fn runs(&self, borders: &[f64]) -> Intervals;
+    /// The intervals between borders at these coordinates, increasing.
+    fn intervals(&self, borders: &[f64]) -> Intervals;
 }
 
 /// Where a shadow ends, with what that is to be weighed with.
@@ -42,7 +45,8 @@ pub struct ShadowEdge {
     pub end: OccluderEnd,
     /// The line's coordinate.
     pub at: f64,
-    /// What the light's radiance jumps by there: +1 if it is hidden beyond, −1 if before, over the chance of finding it.
+    /// What the light's radiance jumps by there: +1 if it is hidden beyond, −1 if before, over the
+    /// chance of finding it.
     pub jump: f64,
 }
 
@@ -77,7 +81,8 @@ pub struct Shadows<'a, L> {
 }
 
 impl<L: ShadowLine> Shadows<'_, L> {
-    /// The ends of all shadows between these points, of which is known whether they are open. `stream` is for other draws.
+    /// The ends of all shadows between these points, of which is known whether they are open.
+    /// `stream` is for other draws.
     pub fn edges(
         &self,
         points: &[f64],
@@ -125,8 +130,8 @@ impl<L: ShadowLine> Shadows<'_, L> {
             return Vec::new();
         };
         let places: Vec<f64> = ends.iter().map(|end| end.at).collect();
-        let runs = self.line.runs(&places);
-        let known = runs.shadow_weights(first.free < first.hidden);
+        let intervals = self.line.intervals(&places);
+        let known = intervals.shadow_weights(first.free < first.hidden);
         let weight = |(number, known): (usize, f64)| {
             let stream = stream.branch(Branch::ShadowEnd, [number as u32, 0, 0]);
             known + self.excess(ends, number, &stream, counts)
@@ -134,7 +139,8 @@ impl<L: ShadowLine> Shadows<'_, L> {
         known.into_iter().enumerate().map(weight).collect()
     }
 
-    /// Draws until an end is found again, less those until it would be found if there were no others than these.
+    /// Draws until an end is found again, less those until it would be found if there were no
+    /// others than these.
     fn excess(
         &self,
         ends: &[ShadowEnd],
@@ -202,6 +208,6 @@ fn would_be_found(ends: &[ShadowEnd], number: usize, points: &[f64]) -> bool {
     };
     let [hidden, free] = neighbours.map(|at| ends.partition_point(|end| end.at < at));
     let is_hidden_after = end.hidden > end.free;
-    // Hidden and open runs take turns.
+    // Hidden and open intervals take turns.
     hidden == number + is_hidden_after as usize && (free + hidden) % 2 == 1
 }

@@ -1,5 +1,5 @@
-//! What can be typed: the one definition from which parsing, `--help`, completions and the man page come.
-//! Nothing here looks at a scene or does any work.
+//! What can be typed: the one definition from which parsing, `--help`, completions and the man page
+//! come. Nothing here looks at a scene or does any work.
 
 use super::values;
 use crate::batch::queue::scheduler::ShardChoice;
@@ -61,8 +61,8 @@ pub enum Command {
     Params(ParamsArguments),
     /// Forward mode: the gradient image dI/dθ along one direction
     ///
-    /// Writes gradient.exr, gradient.npy, gradient.png (blue below zero, red above, the scale in the picture),
-    /// stderr.npy and image.exr.
+    /// Writes gradient.exr, gradient.npy, gradient.png (blue below zero, red above, the scale in
+    /// the picture), stderr.npy and image.exr.
     #[command(
         after_help = "Example: warpath forward scene.xml --param ball.translation=1,0,0 --param cam.x_fov=0.5 --spp 64"
     )]
@@ -77,32 +77,33 @@ pub enum Command {
     Backward(BackwardArguments),
     /// Forward, backward and finite differences against each other; exit code 1 if they disagree
     ///
-    /// Runs each several times with other random numbers, until a bias as large as the tolerance could be seen,
-    /// and says in a sentence what was. Writes check.json and three images: forward, fd and z, the difference in
-    /// standard errors.
+    /// Runs each several times with other random numbers, until a bias as large as the tolerance
+    /// could be seen, and says in a sentence what was. Writes check.json and three images: forward,
+    /// fd and z, the difference in standard errors.
     #[command(
         after_help = "Example: warpath check scene.xml --param ball.translation=1,0,0 --resolution 64x64 --spp 64"
     )]
     Check(CheckArguments),
     /// Embree against obvhs: building, refitting, memory, rays, whole gradients
     ///
-    /// On generated meshes of three classes, or on the scenes and meshes given. Prints a table; writes bench.json and
-    /// bench.svg. Times are those of an otherwise idle machine only if it is one.
+    /// On generated meshes of three classes, or on the scenes and meshes given. Prints a table;
+    /// writes bench.json and bench.svg. Times are those of an otherwise idle machine only if it is
+    /// one.
     #[command(after_help = "Example: warpath bench --triangles 20000 --seconds 0.1 -o out/bench")]
     Bench(BenchArguments),
     /// Runs many jobs: renderings and gradients, one JSON object a line
     ///
-    /// Scenes are loaded once, jobs share all threads, and nothing that is finished is lost. Writes results.jsonl, a
-    /// folder for each job and report.json. With - as the file it answers lines of standard input, each with a line
-    /// on standard output, until there are no more.
+    /// Scenes are loaded once, jobs share all threads, and nothing that is finished is lost. Writes
+    /// results.jsonl, a folder for each job and report.json. With - as the file it answers lines of
+    /// standard input, each with a line on standard output, until there are no more.
     #[command(
         after_help = "Example: warpath batch jobs.jsonl -o out/jobs --resume\nExample: srun -n 4 warpath batch jobs.jsonl --shard auto -o 'out/{shard}'"
     )]
     Batch(BatchArguments),
     /// Puts the shards of a batch together
     ///
-    /// Collects jobs, or adds up their samples: exactly, however many shards there were. Exit code 1 if they are not
-    /// all the shards of one batch.
+    /// Collects jobs, or adds up their samples: exactly, however many shards there were. Exit code
+    /// 1 if they are not all the shards of one batch.
     #[command(after_help = "Example: warpath merge out/1-of-2 out/2-of-2 -o out/all")]
     Merge(MergeArguments),
     /// Prints a completion script for a shell
@@ -161,8 +162,8 @@ pub struct TraceArguments {
     /// Size of the image in pixels [default: the scene's film]
     #[arg(long, value_name = "WxH", value_parser = values::resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// What traces the rays: embree, obvhs or obvhs-bvh2; with a preset of its build after a colon, as
-    /// obvhs:slow
+    /// What traces the rays: embree, obvhs or obvhs-bvh2; with a preset of its build after a colon,
+    /// as obvhs:slow
     #[arg(long, value_name = "BACKEND", default_value_t)]
     pub backend: Backend,
     /// Directory for the files [default: out/COMMAND-SCENE]
@@ -242,8 +243,8 @@ pub struct CheckArguments {
     /// The method to check against finite differences
     #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
     pub method: String,
-    /// What is significant but smaller than this passes: of the gradient along the image of finite differences,
-    /// and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
+    /// What is significant but smaller than this passes: of the gradient along the image of finite
+    /// differences, and of its RMS over blocks of 8x8 pixels (of single pixels, thrice this)
     #[arg(long, value_name = "SHARE", default_value_t = 0.03, value_parser = values::share)]
     pub tolerance: f64,
     /// Goes on with more runs as long as it cannot tell, however long that takes
@@ -290,7 +291,8 @@ pub struct BatchArguments {
     /// Memory that scenes and jobs may take
     #[arg(long, value_name = "AMOUNT", value_parser = values::memory, default_value = "50%")]
     pub memory: values::Memory,
-    /// Does one part of N; auto asks Slurm, Open MPI, PMI or Kubernetes which (auto/N where they do not tell N)
+    /// Does one part of N; auto asks Slurm, Open MPI, PMI or Kubernetes which (auto/N where they do
+    /// not tell N)
     #[arg(long, value_name = "I/N|auto", value_parser = values::shard)]
     pub shard: Option<ShardChoice>,
     /// What shards share out

@@ -15,14 +15,16 @@ use crate::statistics::replicates::Replicates;
 use std::ffi::OsString;
 use std::time::Instant;
 
-/// Independent runs of either side: a few groups of samples in one run are too few to trust error bars from.
+/// Independent runs of either side: a few groups of samples in one run are too few to trust error
+/// bars from.
 const LEAST_RUNS: usize = 8;
-/// As long as a bias as large as the tolerance could not be told from noise, the noisier side's runs are
-/// doubled, up to this many.
+/// As long as a bias as large as the tolerance could not be told from noise, the noisier side's
+/// runs are doubled, up to this many.
 const MOST_RUNS: usize = 32;
 /// Of the brightest pixel: what rounding leaves in the difference of two images.
 const PICTURE_ROUNDING: f64 = 1e-6;
-/// Parts the seeds of the runs; finite differences with the random numbers under test would share their noise.
+/// Parts the seeds of the runs; finite differences with the random numbers under test would share
+/// their noise.
 const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 const FIRST_REFERENCE_SEED: usize = 1 << 20;
 

@@ -85,8 +85,9 @@ impl Log {
     }
 }
 
-/// Text with the names of control characters in their place, and of those that turn the direction of writing: files
-/// and their names hold whatever others have put there, and a terminal obeys. Further lines stand out from messages.
+/// Text with the names of control characters in their place, and of those that turn the direction
+/// of writing: files and their names hold whatever others have put there, and a terminal obeys.
+/// Further lines stand out from messages.
 pub fn harmless(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -28,7 +28,8 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Starts watching. A system that refuses keeps its default: the signal then simply ends the program.
+    /// Starts watching. A system that refuses keeps its default: the signal then simply ends the
+    /// program.
     pub fn watch(log: Log) -> Self {
         let signals = Self::default();
         let came = Arc::new(AtomicBool::new(false));

@@ -8,8 +8,8 @@ const NONE: u32 = u32::MAX;
 
 /// For each half-edge (3·triangle + corner: the edge from that corner to the next) its twin.
 pub struct Adjacency {
-    /// 2·(half-edge number) + (1 if both triangles run along the edge in the same direction, so that the
-    /// surface's orientation flips across it), or [`NONE`].
+    /// 2·(half-edge number) + (1 if both triangles run along the edge in the same direction, so
+    /// that the surface's orientation flips across it), or [`NONE`].
     twin: Vec<u32>,
 }
 
@@ -24,8 +24,8 @@ pub struct Across {
 }
 
 impl Adjacency {
-    /// Finds the twins of all half-edges, mesh by mesh. Vertices at bitwise equal positions count as one, so
-    /// that seams of texture coordinates or normals are not taken for borders.
+    /// Finds the twins of all half-edges, mesh by mesh. Vertices at bitwise equal positions count
+    /// as one, so that seams of texture coordinates or normals are not taken for borders.
     pub fn new(geometry: &Geometry) -> Self {
         let mut twin = vec![NONE; 3 * geometry.triangles.len()];
         for mesh in 0..geometry.first_vertex.len() - 1 {
@@ -34,7 +34,8 @@ impl Adjacency {
         Self { twin }
     }
 
-    /// The same after vertices of the meshes marked in `moved` have moved, which may weld or part them.
+    /// The same after vertices of the meshes marked in `moved` have moved, which may weld or part
+    /// them.
     pub fn with_moved(&self, geometry: &Geometry, moved: &[bool]) -> Self {
         let mut twin = self.twin.clone();
         for mesh in (0..moved.len()).filter(|&mesh| moved[mesh]) {
@@ -67,7 +68,8 @@ fn link_mesh(geometry: &Geometry, mesh: usize, twin: &mut [u32]) {
     );
 
     let welded = geometry.welded(mesh);
-    // (edge as unordered pair, half-edge, direction), sorted so that an edge's half-edges stand together.
+    // (edge as unordered pair, half-edge, direction), sorted so that an edge's half-edges stand
+    // together.
     let mut edges: Vec<(u64, u32, bool)> = Vec::with_capacity(3 * (t1 - t0));
     for t in t0..t1 {
         let v = geometry.triangles[t].map(|v| welded[v as usize - v0]);

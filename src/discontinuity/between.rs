@@ -1,9 +1,10 @@
 //! Which boundary lies between two rays of a bundle.
 //!
-//! Loubet et al. choose the followed point by comparing the two hits' tangent planes. Here both surfaces are walked
-//! toward the other ray (`crate::discontinuity::walk`); the nearer silhouette is the one that is seen. Where neither surface ends
-//! between the rays they must pass through each other, and the line in which their planes meet is followed, as
-//! in the reference code's last rule.
+//! Loubet et al. choose the followed point by comparing the two hits' tangent planes. Here both
+//! surfaces are walked toward the other ray (`crate::discontinuity::walk`); the nearer silhouette
+//! is the one that is seen. Where neither surface ends between the rays they must pass through each
+//! other, and the line in which their planes meet is followed, as in the reference code's last
+//! rule.
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::arc::Arc;
@@ -23,9 +24,10 @@ pub const HALVINGS: u32 = 10;
 /// A part of a cell, from 0 to 1, whose ends see these triangles.
 pub type CellPart = ([f64; 2], [u32; 2]);
 
-/// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that explains them, because both
-/// go on behind something that stands between the rays, a ray between them (`seen`: what it sees) says what that is, and
-/// both halves are looked at. The parts left without an explanation are returned, too.
+/// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that
+/// explains them, because both go on behind something that stands between the rays, a ray between
+/// them (`seen`: what it sees) says what that is, and both halves are looked at. The parts left
+/// without an explanation are returned, too.
 pub fn between_halves<T>(
     ends: [u32; 2],
     mut seen: impl FnMut(f64) -> u32,
@@ -50,10 +52,11 @@ pub fn between_halves<T>(
     (found, unresolved)
 }
 
-/// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray that hit none): the
-/// silhouette, if they see different surfaces, and an edge within the surfaces on either side of it, across which they bend, or a
-/// picture on them. Of several such edges `choice` in [0, 1) picks one, and those
-/// nearer to the next than `gap` (in parameters of the arc) are taken as one with it. Without a choice none are looked for.
+/// What lies between two rays that both look for the nearest surface ([`NO_TRIANGLE`] for a ray
+/// that hit none): the silhouette, if they see different surfaces, and an edge within the surfaces
+/// on either side of it, across which they bend, or a picture on them. Of several such edges
+/// `choice` in [0, 1) picks one, and those nearer to the next than `gap` (in parameters of the arc)
+/// are taken as one with it. Without a choice none are looked for.
 pub fn between(
     geometry: &Geometry,
     adjacency: &Adjacency,
@@ -170,7 +173,8 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
 mod tests {
     use super::*;
 
-    /// Something (2) stands between 0.3 and 0.32 before what is 0 on its left and 1 on its right, neither of which ends.
+    /// Something (2) stands between 0.3 and 0.32 before what is 0 on its left and 1 on its right,
+    /// neither of which ends.
     #[test]
     fn halves_are_searched_for_what_hides_both_ends() {
         let seen = |s: f64| match s {

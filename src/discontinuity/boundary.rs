@@ -1,16 +1,18 @@
 //! A place where visibility jumps, and how fast it moves.
 //!
-//! Seen from o, a boundary is the zero set of F(o, d; vertices) over directions d (`kernels::silhouette`). F is
-//! linear in d: F = c·d. If the directions of a domain are d(u) with two coordinates u, the boundary crosses u
-//! where F(d(u)) = 0 and moves so that ∇F·V + Ḟ = 0, with Ḟ the derivative by the parameters at fixed u. Of all
-//! velocities V that satisfy this only the part along ∇F matters; the shortest in the domain's metric M is
-//! V = −Ḟ M⁻¹∇F / (∇F·M⁻¹∇F).
+//! Seen from o, a boundary is the zero set of F(o, d; vertices) over directions d
+//! (`kernels::silhouette`). F is linear in d: F = c·d. If the directions of a domain are d(u) with
+//! two coordinates u, the boundary crosses u where F(d(u)) = 0 and moves so that ∇F·V + Ḟ = 0, with
+//! Ḟ the derivative by the parameters at fixed u. Of all velocities V that satisfy this only the
+//! part along ∇F matters; the shortest in the domain's metric M is V = −Ḟ M⁻¹∇F / (∇F·M⁻¹∇F).
 //!
-//! Another is that of a point which keeps its place on the edge: Loubet's rotation (2019) of the direction to a
-//! followed point. On lights, whose cells are large, it is the better one: two silhouettes of one moving object that fall
-//! into the same cell are missed together, and with V the velocity of the object itself, the same at both, what is
-//! missed cancels. On the film cells are smaller than pixels, and the shortest V has less variance (both measured in
-//! docs/method.md). Its part along axis 0 is that of a line through the point along axis 1: it too is written as an F.
+//! Another is that of a point which keeps its place on the edge: Loubet's rotation (2019) of the
+//! direction to a followed point. On lights, whose cells are large, it is the better one: two
+//! silhouettes of one moving object that fall into the same cell are missed together, and with V
+//! the velocity of the object itself, the same at both, what is missed cancels. On the film cells
+//! are smaller than pixels, and the shortest V has less variance (both measured in docs/method.md).
+//! Its part along axis 0 is that of a line through the point along axis 1: it too is written as an
+//! F.
 
 use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
 use crate::kernels::silhouette::{crease_side, edge_side};
@@ -25,15 +27,15 @@ pub enum Boundary {
     Edge([u32; 2]),
     /// The line in which two triangles pass through each other, by their vertices.
     Crease([[u32; 3]; 2]),
-    /// A point that keeps its place on an edge (`along` from its first vertex to its second), taken with a line of fixed
-    /// direction `line` through it: only its motion across that line counts.
+    /// A point that keeps its place on an edge (`along` from its first vertex to its second), taken
+    /// with a line of fixed direction `line` through it: only its motion across that line counts.
     Point {
         edge: [u32; 2],
         along: f64,
         line: DVec3,
     },
-    /// An edge of a texture on a triangle, a line through two points that keep their places on it, given by the barycentrics of its second and
-    /// third vertex.
+    /// An edge of a texture on a triangle, a line through two points that keep their places on it,
+    /// given by the barycentrics of its second and third vertex.
     TextureEdge {
         triangle: [u32; 3],
         ends: [[f64; 2]; 2],
@@ -163,8 +165,9 @@ pub fn dvec3(v: V3<f64>) -> DVec3 {
     DVec3::new(v.x, v.y, v.z)
 }
 
-/// What Ḟ must be multiplied with to give the velocity along axis `axis` of a two-coordinate domain, where
-/// `gradient` is ∇F and `metric` the (inner) metric [M₀₀, M₀₁, M₁₁]; `None` where the boundary does not cross.
+/// What Ḟ must be multiplied with to give the velocity along axis `axis` of a two-coordinate
+/// domain, where `gradient` is ∇F and `metric` the (inner) metric [M₀₀, M₀₁, M₁₁]; `None` where the
+/// boundary does not cross.
 pub fn velocity_per_side(gradient: [f64; 2], metric: [f64; 3], axis: usize) -> Option<f64> {
     let [f0, f1] = gradient;
     let [m00, m01, m11] = metric;

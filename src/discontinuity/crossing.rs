@@ -11,8 +11,9 @@ pub enum Kind {
     ThinSilhouette,
     /// An edge within what is seen, at which its shading changes.
     Ridge,
-    /// Shading goes on, but the plane of the triangles does not: below that rays start on the other side of the surface, so
-    /// that the part of a lobe that lies between the two planes sees something else.
+    /// Shading goes on, but the plane of the triangles does not: below that rays start on the other
+    /// side of the surface, so that the part of a lobe that lies between the two planes sees
+    /// something else.
     FacetEdge,
 }
 
@@ -43,7 +44,8 @@ impl Crossing {
         Self::new(boundary, Kind::Ridge, s)
     }
 
-    /// Whether it lies behind what is seen, if these triangles are seen on its two sides: all but texture edges separate two.
+    /// Whether it lies behind what is seen, if these triangles are seen on its two sides: all but
+    /// texture edges separate two.
     pub fn is_hidden(&self, seen: [u32; 2]) -> bool {
         seen[0] == seen[1] && !matches!(self.boundary, Boundary::TextureEdge { .. })
     }
@@ -54,14 +56,15 @@ impl Crossing {
     }
 }
 
-/// One crossing out of a stream of unknown length, each with the same chance (a reservoir of one, whose random number is
-/// stretched after each decision).
+/// One crossing out of a stream of unknown length, each with the same chance (a reservoir of one,
+/// whose random number is stretched after each decision).
 pub struct Reservoir {
     chosen: Option<Crossing>,
     met: u32,
     /// In [0, 1); `None` if nothing is to be collected.
     choice: Option<f64>,
-    /// Crossings nearer than this to the next one are left out: who looks beside the next one sees both.
+    /// Crossings nearer than this to the next one are left out: who looks beside the next one sees
+    /// both.
     gap: f64,
     pending: Option<Crossing>,
 }

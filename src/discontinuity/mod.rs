@@ -1,4 +1,5 @@
-//! The geometry of jumps: where visibility changes, how one boundary is found, and how fast it moves.
+//! The geometry of jumps: where visibility changes, how one boundary is found, and how fast it
+//! moves.
 
 pub mod adjacency;
 pub mod arc;

@@ -1,9 +1,10 @@
-//! Texture edges: where a texture jumps within a triangle, or between two whose texture coordinates do not
-//! continue each other.
+//! Texture edges: where a texture jumps within a triangle, or between two whose texture coordinates
+//! do not continue each other.
 //!
-//! Seen from o along d, the barycentrics of a triangle's point are as wᵢ = d·(pⱼ × pₖ): linear in d up to their sum. A coordinate
-//! g of the picture is Σwᵢgᵢ/Σwᵢ, so g = k is Σwᵢ(gᵢ − k) = 0: on an arc of directions that are linear in s it has one
-//! solution, and over all directions it is the plane through o and a straight line on the triangle, as for an edge.
+//! Seen from o along d, the barycentrics of a triangle's point are as wᵢ = d·(pⱼ × pₖ): linear in d
+//! up to their sum. A coordinate g of the picture is Σwᵢgᵢ/Σwᵢ, so g = k is Σwᵢ(gᵢ − k) = 0: on an
+//! arc of directions that are linear in s it has one solution, and over all directions it is the
+//! plane through o and a straight line on the triangle, as for an edge.
 
 use crate::discontinuity::adjacency::Across;
 use crate::discontinuity::arc::Arc;
@@ -11,11 +12,12 @@ use crate::discontinuity::boundary::Boundary;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
-/// Lines of one coordinate in one cell and one triangle that are looked at: beyond that the picture is a blur.
+/// Lines of one coordinate in one cell and one triangle that are looked at: beyond that the picture
+/// is a blur.
 const MOST_LINES: usize = 4096;
 
-/// The texture edges that an arc crosses on a triangle between two of its parameters, in order. `points`: its vertices as
-/// seen from the arc's origin.
+/// The texture edges that an arc crosses on a triangle between two of its parameters, in order.
+/// `points`: its vertices as seen from the arc's origin.
 pub fn lines(
     geometry: &Geometry,
     triangle: u32,
@@ -61,8 +63,8 @@ pub fn lines(
     found
 }
 
-/// Where the line on which `height`, given at the corners, is zero enters and leaves the triangle: barycentrics of the second and
-/// third corner.
+/// Where the line on which `height`, given at the corners, is zero enters and leaves the triangle:
+/// barycentrics of the second and third corner.
 fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
     const CORNERS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
     let mut ends = (0..3).filter_map(|i| {
@@ -76,7 +78,8 @@ fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
     Some([ends.next()?, ends.next()?])
 }
 
-/// Whether texture coordinates jump across the edge that starts at `corner` of a triangle with pictures on it.
+/// Whether texture coordinates jump across the edge that starts at `corner` of a triangle with
+/// pictures on it.
 pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     if geometry.pattern(triangle).is_none() {
         return false;

@@ -1,13 +1,14 @@
-//! From a visible point to the silhouette: walking over a mesh, triangle by triangle, along a straight line of
-//! the image.
+//! From a visible point to the silhouette: walking over a mesh, triangle by triangle, along a
+//! straight line of the image.
 //!
-//! Two rays of a bundle share the origin o and have directions d_a, d_b. If one of them hits an occluder and
-//! the other misses it, then somewhere between them the occluder's silhouette crosses the arc from d_a to d_b.
-//! Loubet et al. follow the point that was hit; a point that is *on* the silhouette moves exactly as the
-//! discontinuity does, whatever the motion (a turning screw, a growing sphere), so we walk to it: from the
-//! triangle that was hit across the edges that the plane of (o, d_a, d_b) cuts, until the next triangle faces
-//! away or there is none. No ray is traced. All arithmetic is in f64: the walk's decisions are made from
-//! vertices alone and are the same from both sides of an edge.
+//! Two rays of a bundle share the origin o and have directions d_a, d_b. If one of them hits an
+//! occluder and the other misses it, then somewhere between them the occluder's silhouette crosses
+//! the arc from d_a to d_b. Loubet et al. follow the point that was hit; a point that is *on* the
+//! silhouette moves exactly as the discontinuity does, whatever the motion (a turning screw, a
+//! growing sphere), so we walk to it: from the triangle that was hit across the edges that the
+//! plane of (o, d_a, d_b) cuts, until the next triangle faces away or there is none. No ray is
+//! traced. All arithmetic is in f64: the walk's decisions are made from vertices alone and are the
+//! same from both sides of an edge.
 
 use crate::discontinuity::adjacency::{Across, Adjacency};
 use crate::discontinuity::arc::Arc;
@@ -17,8 +18,8 @@ use crate::discontinuity::texture_edges;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
-/// Triangles crossed before a walk is given up. An arc of the image that is longer than that in triangles
-/// belongs to a mesh far finer than the sampling.
+/// Triangles crossed before a walk is given up. An arc of the image that is longer than that in
+/// triangles belongs to a mesh far finer than the sampling.
 const MAX_STEPS: usize = 512;
 
 /// A crossing of the arc with a silhouette edge.
@@ -60,8 +61,8 @@ pub enum Walk {
 }
 
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
-/// `goal`, up to parameter `limit` (1: all the way). What the radiance may jump at on the way is shown to `ridges`: edges at
-/// which the surface or its shading bends, and those of pictures.
+/// `goal`, up to parameter `limit` (1: all the way). What the radiance may jump at on the way is
+/// shown to `ridges`: edges at which the surface or its shading bends, and those of pictures.
 pub fn walk(
     geometry: &Geometry,
     adjacency: &Adjacency,
@@ -126,7 +127,8 @@ struct Step {
     points: [DVec3; 3],
     /// Their heights over the arc's plane.
     side: [f64; 3],
-    /// Whether the walk's side of the surface is that from which the triangle is wound counter-clockwise.
+    /// Whether the walk's side of the surface is that from which the triangle is wound
+    /// counter-clockwise.
     facing: bool,
     /// The corner that starts the edge by which it was entered.
     entered_by: Option<usize>,
@@ -183,7 +185,8 @@ impl<'a> Walker<'a> {
             }
             let along = side[corner] / (side[corner] - side[next]);
             let point = points[corner].lerp(points[next], along);
-            // In the first triangle the ray itself passes between the two crossings: the way out is toward b.
+            // In the first triangle the ray itself passes between the two crossings: the way out is
+            // toward b.
             let toward_b = self.normal.dot(self.arc.a.cross(point));
             if exit.is_none_or(|(_, best, ..)| toward_b > best) {
                 exit = Some((corner, toward_b, along, point));
@@ -292,8 +295,9 @@ fn is_acute(here: [DVec3; 3], there: [DVec3; 3], flipped: bool) -> bool {
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
 const FLAT: f64 = 1e-10;
 
-/// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as many as leave each about as much to
-/// bring: the part of a hemisphere that lies between two planes goes as the square of their angle.
+/// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as
+/// many as leave each about as much to bring: the part of a hemisphere that lies between two planes
+/// goes as the square of their angle.
 const COARSE: f64 = 1e-2;
 
 /// The squared sine of the angle between the planes of two triangles.
@@ -302,8 +306,8 @@ fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }
 
-/// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for itself: so programs write
-/// bodies with hard edges.
+/// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for
+/// itself: so programs write bodies with hard edges.
 fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let ends = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];
@@ -320,8 +324,8 @@ fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -
         .any(|(v, w)| v != w && f64::from(normal(v).distance_squared(normal(w))) > FLAT)
 }
 
-/// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β and α with the
-/// same positive factor; infinite beyond the half-turn.
+/// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β
+/// and α with the same positive factor; infinite beyond the half-turn.
 fn parameter(of_b: f64, of_a: f64) -> f64 {
     if of_a + of_b > 0.0 {
         of_b / (of_a + of_b)

@@ -1,9 +1,11 @@
-//! Whether few samples carry a gradient: its standard error, from the spread of a few groups, cannot be trusted then.
+//! Whether few samples carry a gradient: its standard error, from the spread of a few groups,
+//! cannot be trusted then.
 //!
-//! Of n independent terms of finite variance the largest square is about 2 ln n / n of the sum of all squares. Where terms are
-//! so heavy-tailed that the variance is infinite, or so rare that few were met, the largest has a share that does
-//! not fall with n, and most runs underestimate their error. A term here is what one packet of paths, or one border on the
-//! film, brings to an object's gradient along a fixed direction.
+//! Of n independent terms of finite variance the largest square is about 2 ln n / n of the sum of
+//! all squares. Where terms are so heavy-tailed that the variance is infinite, or so rare that few
+//! were met, the largest has a share that does not fall with n, and most runs underestimate their
+//! error. A term here is what one packet of paths, or one border on the film, brings to an object's
+//! gradient along a fixed direction.
 
 use glam::DVec3;
 

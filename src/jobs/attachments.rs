@@ -1,4 +1,5 @@
-//! Files that a job names beside its scene: compared with the scene, and counted, before they are read.
+//! Files that a job names beside its scene: compared with the scene, and counted, before they are
+//! read.
 
 use super::failure::Failure;
 use super::job::Job;
@@ -10,7 +11,8 @@ use crate::methods::Settings;
 use crate::scene::Scene;
 use crate::scene::parameters;
 
-/// What reading them takes in memory. One that does not fit the scene is refused by what its header says.
+/// What reading them takes in memory. One that does not fit the scene is refused by what its header
+/// says.
 pub fn bytes_needed(job: &Job, scene: &Scene, settings: &Settings) -> Result<u64, Failure> {
     let tangents = match &job.params {
         Some(Keys::Tangents(tangents)) => tangents.0.as_slice(),

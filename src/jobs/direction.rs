@@ -26,7 +26,8 @@ pub fn resolve(
         .collect()
 }
 
-/// Finds parameters that sensor `sensor` can be differentiated by. Two names of the same one are a mistake.
+/// Finds parameters that sensor `sensor` can be differentiated by. Two names of the same one are a
+/// mistake.
 pub fn find(scene: &Scene, keys: &[&str], sensor: usize) -> Result<Vec<Parameter>, Failure> {
     let mut found: Vec<Parameter> = Vec::with_capacity(keys.len());
     for key in keys {

@@ -17,7 +17,8 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "A line of a warpath batch")]
 pub struct Job {
-    /// Names the job and its folder, once in a batch: letters, digits, '-', '_' and '.', not first a '.'
+    /// Names the job and its folder, once in a batch: letters, digits, '-', '_' and '.', not first
+    /// a '.'
     #[schemars(
         length(min = 1, max = 128),
         regex(pattern = r"^[A-Za-z0-9_-][A-Za-z0-9._-]*$")

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// Bytes the process may use: the machine's, or the limit of a control group or of its address space (`ulimit -v`).
+/// Bytes the process may use: the machine's, or the limit of a control group or of its address
+/// space (`ulimit -v`).
 pub fn of_machine() -> u64 {
     let machine = kilobytes(Path::new("/proc/meminfo"), "MemTotal:").unwrap_or(4 << 30);
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
@@ -11,7 +12,8 @@ pub fn of_machine() -> u64 {
     groups.chain(of_address_space()).fold(machine, u64::min)
 }
 
-/// The least limit of a control group, as a line of `/proc/self/cgroup` names it, and of those it is in.
+/// The least limit of a control group, as a line of `/proc/self/cgroup` names it, and of those it
+/// is in.
 fn of_control_group(line: &str) -> Option<u64> {
     let mut fields = line.splitn(3, ':').skip(1);
     let (controllers, group) = (fields.next()?, fields.next()?);
@@ -31,7 +33,8 @@ fn of_control_group(line: &str) -> Option<u64> {
     all.filter_map(number).min()
 }
 
-/// Bytes of memory that the address space has room for, if it is limited: what is in memory, and what may still be mapped.
+/// Bytes of memory that the address space has room for, if it is limited: what is in memory, and
+/// what may still be mapped.
 pub fn of_address_space() -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits
@@ -61,8 +64,8 @@ fn kilobytes(path: &Path, name: &str) -> Option<u64> {
 
 /// Seconds of all cores together that the process has used.
 pub fn processor_seconds() -> Option<f64> {
-    // Fields 14 and 15 after the name in parentheses, which may hold spaces; in hundredths, as Linux has told them
-    // to user space on every architecture since 2.6.
+    // Fields 14 and 15 after the name in parentheses, which may hold spaces; in hundredths, as
+    // Linux has told them to user space on every architecture since 2.6.
     let text = fs::read_to_string("/proc/self/stat").ok()?;
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: f64 = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;

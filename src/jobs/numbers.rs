@@ -8,7 +8,8 @@ use std::path::PathBuf;
 /// Numbers of a parameter, not yet compared with any scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Numbers {
-    /// All of them row by row; lists of lists have a shape of several axes, a number alone has none.
+    /// All of them row by row; lists of lists have a shape of several axes, a number alone has
+    /// none.
     Inline { values: Vec<f32>, shape: Vec<usize> },
     /// A `.npy`, or a `.safetensors` with a tensor of the parameter's key.
     File(PathBuf),
@@ -21,7 +22,8 @@ impl Numbers {
         Self::Inline { values, shape }
     }
 
-    /// As many numbers as the parameter has. What is typed in may be one row, which then holds for all rows.
+    /// As many numbers as the parameter has. What is typed in may be one row, which then holds for
+    /// all rows.
     pub fn of_all_rows(&self, parameter: &Parameter, key: &str) -> Result<Vec<f32>, Failure> {
         match self {
             Numbers::Inline { values, shape } if shape.len() < 2 => {

@@ -5,7 +5,8 @@ use crate::output::picture::PictureFile;
 use crate::picture::Image;
 use std::path::Path;
 
-/// Opens a target or an adjoint; one that is not of the size of the image is refused before it is decoded.
+/// Opens a target or an adjoint; one that is not of the size of the image is refused before it is
+/// decoded.
 pub fn picture(file: &Path, size: [u32; 2]) -> Result<PictureFile, Failure> {
     let picture = PictureFile::open(file)?;
     match picture.size() {

@@ -1,10 +1,12 @@
-//! What surfaces do with light, all materials in one: which lanes are of which kind is told by masks.
+//! What surfaces do with light, all materials in one: which lanes are of which kind is told by
+//! masks.
 //!
-//! Directions are differentiated at a fixed *coordinate* in the frame of the shading normal: the direction itself for
-//! diffuse light, the microfacet's normal h for what is reflected and refracted. With h fixed the lobe turns with the
-//! surface and with the arriving ray as a mirror's image does, whatever its width, and a smooth interface is the case h = n. Per
-//! solid angle of h reflection and refraction both have the value F·D(h)·G₁(ωᵢ)·G₁(ωₒ)·(ωᵢ·h)/cosθᵢ (Walter et al. 2007,
-//! eqs. 20, 21 and the Jacobians 14, 17), in which only D depends on h alone.
+//! Directions are differentiated at a fixed *coordinate* in the frame of the shading normal: the
+//! direction itself for diffuse light, the microfacet's normal h for what is reflected and
+//! refracted. With h fixed the lobe turns with the surface and with the arriving ray as a mirror's
+//! image does, whatever its width, and a smooth interface is the case h = n. Per solid angle of h
+//! reflection and refraction both have the value F·D(h)·G₁(ωᵢ)·G₁(ωₒ)·(ωᵢ·h)/cosθᵢ (Walter et al.
+//! 2007, eqs. 20, 21 and the Jacobians 14, 17), in which only D depends on h alone.
 
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::fresnel::{fresnel_conductor, fresnel_dielectric, inner_reflectance};
@@ -24,8 +26,8 @@ pub struct Interface<F> {
     pub alpha: F,
 }
 
-/// What a rough dielectric lets through at the two ends of a diffuse path below it: linear in the cosines, in α and in the
-/// index of refraction about where it was looked up.
+/// What a rough dielectric lets through at the two ends of a diffuse path below it: linear in the
+/// cosines, in α and in the index of refraction about where it was looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughTransmission<F> {
     pub at_in: F,
@@ -62,8 +64,8 @@ pub struct LobeMasks<F: Real> {
     pub is_refracted: F::Mask,
 }
 
-/// The shading normal, mirrored at the plane across the arriving ray if it looks away from that: continuous, and never
-/// below the horizon.
+/// The shading normal, mirrored at the plane across the arriving ray if it looks away from that:
+/// continuous, and never below the horizon.
 ///
 /// inputs: n -1..1, direction -1..1
 pub fn consistent_normal<F: Real>(n: V3<F>, direction: V3<F>) -> V3<F> {
@@ -71,7 +73,8 @@ pub fn consistent_normal<F: Real>(n: V3<F>, direction: V3<F>) -> V3<F> {
     n + wi * (F::splat(-2.0) * n.dot(wi)).max(F::splat(0.0))
 }
 
-/// What reaches a diffuse surface below a dielectric and leaves it again, over π times the irradiance.
+/// What reaches a diffuse surface below a dielectric and leaves it again, over π times the
+/// irradiance.
 ///
 /// `eta` stands for the index in `s`, which metals have no use for.
 ///
@@ -109,9 +112,10 @@ pub fn below_dielectric<F: Real>(
     colour.times(left)
 }
 
-/// π times the BSDF for light that arrives along `w` (not a unit vector) and leaves against `direction`, the ray that
-/// arrived from the camera's side; without what smooth interfaces reflect, and without specular reflection at all
-/// where `has_lobe` does not hold. Zero below the horizon of the unit normal `n`.
+/// π times the BSDF for light that arrives along `w` (not a unit vector) and leaves against
+/// `direction`, the ray that arrived from the camera's side; without what smooth interfaces
+/// reflect, and without specular reflection at all where `has_lobe` does not hold. Zero below the
+/// horizon of the unit normal `n`.
 ///
 /// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9, t 0.1..0.6
 pub fn bsdf_evaluate<F: Real>(
@@ -158,12 +162,13 @@ pub fn bsdf_evaluate<F: Real>(
     V3::select(is_above, lobes, none)
 }
 
-/// What rough glass sends against `direction`, the ray that arrived from the camera's side, of a beam of unit irradiance
-/// (across it) that comes from `w` (not a unit vector), on either side of the unit normal `n`: the BSDF times the cosine.
+/// What rough glass sends against `direction`, the ray that arrived from the camera's side, of a
+/// beam of unit irradiance (across it) that comes from `w` (not a unit vector), on either side of
+/// the unit normal `n`: the BSDF times the cosine.
 ///
-/// Walter et al. 2007, eqs. 20 and 21, with half vectors by eqs. 13 and 16. The length of the latter is the
-/// denominator of eq. 21. Radiance that crosses into a denser medium is squeezed as in [`bsdf_sample`], so that the
-/// squared ratio of indices in eq. 21 is gone.
+/// Walter et al. 2007, eqs. 20 and 21, with half vectors by eqs. 13 and 16. The length of the
+/// latter is the denominator of eq. 21. Radiance that crosses into a denser medium is squeezed as
+/// in [`bsdf_sample`], so that the squared ratio of indices in eq. 21 is gone.
 ///
 /// inputs: n 0.5..0.6, direction -0.9..-0.3, w 0.3..0.9, s 0.3..0.9
 pub fn bsdf_evaluate_glass<F: Real>(
@@ -210,12 +215,14 @@ pub fn bsdf_evaluate_glass<F: Real>(
     V3::select(meets & is_glass, sent, V3::splat(0.0))
 }
 
-/// The next direction (unit) and what the path is multiplied with, per unit of the coordinate's measure: solid angle
-/// times cos/π for diffuse light, solid angle of h for rough lobes, one direction for smooth ones.
+/// The next direction (unit) and what the path is multiplied with, per unit of the coordinate's
+/// measure: solid angle times cos/π for diffuse light, solid angle of h for rough lobes, one
+/// direction for smooth ones.
 ///
-/// `local` is the coordinate in the frame of the unit normal `n`; `direction` is the ray that arrived. Lanes that
-/// neither scatter diffusely, nor reflect, nor refract go straight on. Radiance that crosses into a denser medium
-/// is squeezed: transmission is divided by the squared ratio of the indices.
+/// `local` is the coordinate in the frame of the unit normal `n`; `direction` is the ray that
+/// arrived. Lanes that neither scatter diffusely, nor reflect, nor refract go straight on. Radiance
+/// that crosses into a denser medium is squeezed: transmission is divided by the squared ratio of
+/// the indices.
 ///
 /// inputs: n 0.5..0.6, direction -0.9..-0.5, local 0.3..0.6, s 0.3..0.9, t 0.1..0.6
 pub fn bsdf_sample<F: Real>(

@@ -4,8 +4,8 @@ use crate::lanes::{Real, V3};
 
 /// World direction of the direction `local` about the unit normal `n`.
 ///
-/// The tangents are those of Duff et al., "Building an Orthonormal Basis, Revisited" (2017), which are
-/// smooth in `n` on either side of n.z = 0; the derivative turns the direction with the frame.
+/// The tangents are those of Duff et al., "Building an Orthonormal Basis, Revisited" (2017), which
+/// are smooth in `n` on either side of n.z = 0; the derivative turns the direction with the frame.
 pub fn direction_from_local<F: Real>(n: V3<F>, local: V3<F>) -> V3<F> {
     let sign = n.z.signum();
     let a = -(F::splat(1.0) / (sign + n.z));

@@ -5,12 +5,13 @@ use crate::lanes::Real;
 /// Nothing under a root becomes smaller: its derivative stays finite, and is zero there.
 const SMALLEST: f64 = 1e-30;
 
-/// Unpolarised reflectance of a conductor of complex index `eta` + i`k` (relative to the outside) for light at
-/// cosine `cos` to the normal.
+/// Unpolarised reflectance of a conductor of complex index `eta` + i`k` (relative to the outside)
+/// for light at cosine `cos` to the normal.
 ///
-/// It needs the real part `a` of √((eta + i k)² − sin²) = √(t + i·2·eta·k), which is √((|…| + t)/2). Where t < 0, as in most
-/// metals, that sum cancels, and wholly so at eta = 0; there `a` is found from the imaginary part √((|…| − t)/2) instead,
-/// since the product of the two is eta·k. So `a` has all its digits, and a derivative at eta = 0.
+/// It needs the real part `a` of √((eta + i k)² − sin²) = √(t + i·2·eta·k), which is √((|…| +
+/// t)/2). Where t < 0, as in most metals, that sum cancels, and wholly so at eta = 0; there `a` is
+/// found from the imaginary part √((|…| − t)/2) instead, since the product of the two is eta·k. So
+/// `a` has all its digits, and a derivative at eta = 0.
 ///
 /// inputs: cos 0.1..0.9, eta 0.2..2, k 0.5..4
 pub fn fresnel_conductor<F: Real>(cos: F, eta: F, k: F) -> F {
@@ -33,8 +34,8 @@ pub fn fresnel_conductor<F: Real>(cos: F, eta: F, k: F) -> F {
     half * (perpendicular + parallel)
 }
 
-/// Unpolarised reflectance of a dielectric whose index beyond the interface is `ratio` times that of the side the light
-/// comes from, at cosine `cos` to the normal; 1 where all is reflected.
+/// Unpolarised reflectance of a dielectric whose index beyond the interface is `ratio` times that
+/// of the side the light comes from, at cosine `cos` to the normal; 1 where all is reflected.
 ///
 /// inputs: cos 0.3..0.9, ratio 1.1..1.8
 pub fn fresnel_dielectric<F: Real>(cos: F, ratio: F) -> F {
@@ -47,8 +48,8 @@ pub fn fresnel_dielectric<F: Real>(cos: F, ratio: F) -> F {
     F::select(passes, F::splat(0.5) * (s * s + p * p), one)
 }
 
-/// Diffuse light from inside that a smooth interface reflects back, averaged over directions; `eta` > 1 is the index of
-/// the inside over that of the outside.
+/// Diffuse light from inside that a smooth interface reflects back, averaged over directions; `eta`
+/// > 1 is the index of the inside over that of the outside.
 ///
 /// The fit of Egan & Hilgeman (1973) for 1/eta < 1, as Mitsuba's `plastic` uses it.
 ///

@@ -2,12 +2,12 @@
 
 use crate::lanes::{Real, V3};
 
-/// Irradiance over π at `x` with unit normal `n`, for unit radiance from the point (`b1`, `b2`) of the
-/// triangle `q`, per unit of db1·db2 and if nothing stands between.
+/// Irradiance over π at `x` with unit normal `n`, for unit radiance from the point (`b1`, `b2`) of
+/// the triangle `q`, per unit of db1·db2 and if nothing stands between.
 ///
-/// cosₓ·cos_y/(π r²)·dA with dA = |e1×e2| db1 db2; both cosines are clamped at the horizon. Since the point
-/// keeps its barycentrics when the triangle moves, the sharp border of the light never moves in this
-/// measure, and no sampling density depends on the parameters.
+/// cosₓ·cos_y/(π r²)·dA with dA = |e1×e2| db1 db2; both cosines are clamped at the horizon. Since
+/// the point keeps its barycentrics when the triangle moves, the sharp border of the light never
+/// moves in this measure, and no sampling density depends on the parameters.
 pub fn triangle_irradiance<F: Real>(x: V3<F>, n: V3<F>, q: [V3<F>; 3], b1: F, b2: F) -> F {
     let e1 = q[1] - q[0];
     let e2 = q[2] - q[0];

@@ -2,8 +2,9 @@
 
 use crate::lanes::Real;
 
-/// Density of microfacet normals (per solid angle and projected area) at an angle to the surface's normal of which
-/// `cos2` and `sin2` are the squared cosine and sine. Both are given since 1 − cos² loses all digits where roughness is low.
+/// Density of microfacet normals (per solid angle and projected area) at an angle to the surface's
+/// normal of which `cos2` and `sin2` are the squared cosine and sine. Both are given since 1 − cos²
+/// loses all digits where roughness is low.
 ///
 /// GGX (Walter et al. 2007, eq. 33) or Beckmann (eq. 25).
 ///
@@ -18,7 +19,8 @@ pub fn ndf<F: Real>(cos2: F, sin2: F, alpha: F, is_ggx: F::Mask) -> F {
     F::select(is_ggx, ggx, beckmann)
 }
 
-/// The part of the microfacets seen at cosine `cos` that is not hidden by others, over `cos`: finite at the horizon.
+/// The part of the microfacets seen at cosine `cos` that is not hidden by others, over `cos`:
+/// finite at the horizon.
 ///
 /// Smith's G₁ for GGX, and Walter et al.'s rational fit (2007, below eq. 27) for Beckmann.
 ///

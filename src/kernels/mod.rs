@@ -1,6 +1,7 @@
 //! Pure functions over lanes, written once: the build derives their adjoints from these sources.
 //!
-//! Every `pub fn` here is branch-free and keeps to the subset that `src/adjoint/transform.rs` documents.
+//! Every `pub fn` here is branch-free and keeps to the subset that `src/adjoint/transform.rs`
+//! documents.
 
 pub mod bsdf;
 pub mod camera;

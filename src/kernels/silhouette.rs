@@ -1,19 +1,20 @@
-//! Where visibility changes: the two functions whose zero sets are the discontinuities seen from a point.
+//! Where visibility changes: the two functions whose zero sets are the discontinuities seen from a
+//! point.
 
 use crate::lanes::{Real, V3};
 
 /// Zero where the ray from `o` along `d` passes through the line of the edge (`a`, `b`).
 ///
-/// Its gradient along `d` is normal to the edge's image; its derivative by the parameters over that gradient
-/// is the speed of the silhouette.
+/// Its gradient along `d` is normal to the edge's image; its derivative by the parameters over that
+/// gradient is the speed of the silhouette.
 pub fn edge_side<F: Real>(o: V3<F>, d: V3<F>, a: V3<F>, b: V3<F>) -> F {
     let oa = a - o;
     let ob = b - o;
     d.dot(oa.cross(ob))
 }
 
-/// Zero where the ray from `o` along `d` meets the planes of two triangles at the same distance: where two
-/// surfaces pass through each other without a common edge.
+/// Zero where the ray from `o` along `d` meets the planes of two triangles at the same distance:
+/// where two surfaces pass through each other without a common edge.
 pub fn crease_side<F: Real>(o: V3<F>, d: V3<F>, a: [V3<F>; 3], b: [V3<F>; 3]) -> F {
     let ea1 = a[1] - a[0];
     let ea2 = a[2] - a[0];

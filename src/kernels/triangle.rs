@@ -2,9 +2,11 @@
 
 use crate::lanes::{Real, V3};
 
-/// Where a ray meets a triangle's plane: distance in units of `d`, and the barycentrics of `v1` and `v2`.
+/// Where a ray meets a triangle's plane: distance in units of `d`, and the barycentrics of `v1` and
+/// `v2`.
 ///
-/// Solves o + t·d = v0 + b1·(v1−v0) + b2·(v2−v0) by Cramer's rule; infinite where the ray is parallel.
+/// Solves o + t·d = v0 + b1·(v1−v0) + b2·(v2−v0) by Cramer's rule; infinite where the ray is
+/// parallel.
 pub fn triangle_hit<F: Real>(o: V3<F>, d: V3<F>, v0: V3<F>, v1: V3<F>, v2: V3<F>) -> (F, F, F) {
     let e1 = v1 - v0;
     let e2 = v2 - v0;

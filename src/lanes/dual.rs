@@ -1,4 +1,5 @@
-//! Dual numbers: a value and its tangent, over any lane type. Kernels run over them are forward mode.
+//! Dual numbers: a value and its tangent, over any lane type. Kernels run over them are forward
+//! mode.
 
 use super::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -6,7 +7,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// A number and its derivative along one direction.
 ///
 /// Comparisons look at the value alone. At a kink (`abs` at zero, `min` and `max` at a tie) the
-/// derivative is that of the branch the value took; the generated adjoints decide ties the same way.
+/// derivative is that of the branch the value took; the generated adjoints decide ties the same
+/// way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dual<R> {
     pub value: R,

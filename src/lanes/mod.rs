@@ -1,4 +1,5 @@
-//! The number types kernels are written over: one number or many side by side, with or without a tangent.
+//! The number types kernels are written over: one number or many side by side, with or without a
+//! tangent.
 
 mod dual;
 mod packets;

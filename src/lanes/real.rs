@@ -10,7 +10,8 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn any(self) -> bool;
 }
 
-/// A real number, or several in lanes. Kernels are generic over it and have no branches: they select.
+/// A real number, or several in lanes. Kernels are generic over it and have no branches: they
+/// select.
 pub trait Real:
     Copy
     + Add<Output = Self>

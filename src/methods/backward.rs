@@ -1,4 +1,5 @@
-//! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was asked for.
+//! Reverse mode by `reparam` and `interior`: the gradient of one number for everything that was
+//! asked for.
 
 use super::clock::StageClock;
 use super::error::EngineError;
@@ -154,8 +155,9 @@ fn sweep_tiles(
     Ok(swept)
 }
 
-/// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep multiplies the derivative
-/// with radiances in single precision, where the square of a large radiance would overflow.
+/// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep
+/// multiplies the derivative with radiances in single precision, where the square of a large
+/// radiance would overflow.
 fn to_unit_magnitude(adjoint: &mut Image) -> f64 {
     let values = || adjoint.pixels.iter().flatten();
     let largest = values().fold(0.0f32, |most, v| most.max(v.abs()));

@@ -6,7 +6,8 @@ use super::statistics::Statistics;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// Parts the time of a sweep over tiles into tracing and differentiating, by what the threads spent on each.
+/// Parts the time of a sweep over tiles into tracing and differentiating, by what the threads spent
+/// on each.
 pub struct StageClock {
     started: Instant,
     tracing_ns: AtomicU64,

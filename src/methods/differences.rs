@@ -1,8 +1,10 @@
-//! Central finite differences with common random numbers: the reference every other method is measured against.
+//! Central finite differences with common random numbers: the reference every other method is
+//! measured against.
 //!
-//! The image is rendered at θ ± h and θ ± 2h with the same random numbers and the two central differences are combined
-//! so that the error of order h² vanishes (Richardson): (4·D(h) − D(2h))/3. Russian roulette is off, since a path that
-//! ends because θ moved is a jump that no derivative has.
+//! The image is rendered at θ ± h and θ ± 2h with the same random numbers and the two central
+//! differences are combined so that the error of order h² vanishes (Richardson): (4·D(h) −
+//! D(2h))/3. Russian roulette is off, since a path that ends because θ moved is a jump that no
+//! derivative has.
 
 use super::difference_step::step;
 use super::error::EngineError;

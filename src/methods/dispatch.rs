@@ -106,7 +106,8 @@ impl Prepared<'_> {
         objective::evaluate(self, settings, objective, progress)
     }
 
-    /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
+    /// Reverse mode: the derivative of an objective with respect to all the parameters, in one
+    /// pass.
     pub fn backward(
         &self,
         settings: &Settings,

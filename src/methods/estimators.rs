@@ -1,7 +1,7 @@
 //! Which methods there are, and what each can do.
 //!
-//! Everything else asks for an ability and never for a name. A method that is added here is known to
-//! jobs, batches, refusals and the command line.
+//! Everything else asks for an ability and never for a name. A method that is added here is known
+//! to jobs, batches, refusals and the command line.
 //!
 //! What an estimator of boundaries declares of itself (the discontinuities it finds, and whether it
 //! has a reverse mode) belongs in the rows of [`ESTIMATORS`], with the estimator itself beside it.

@@ -9,8 +9,8 @@ use crate::trace::{Accel, AccelOptions, Backend, TraceError};
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Boxes of a refitted hierarchy may be looser by this factor before building anew is cheaper: measured in
-/// `docs/batch.md`.
+/// Boxes of a refitted hierarchy may be looser by this factor before building anew is cheaper:
+/// measured in `docs/batch.md`.
 const LOOSEST: f64 = 1.2;
 
 /// A structure over moved vertices, and how it was made.
@@ -54,8 +54,8 @@ impl Followers {
         }
     }
 
-    /// A structure over `moved`, the scene `base` with other vertices: refitted, or built anew where
-    /// boxes would get loose.
+    /// A structure over `moved`, the scene `base` with other vertices: refitted, or built anew
+    /// where boxes would get loose.
     pub fn follow(
         &self,
         base: &Scene,
@@ -86,7 +86,8 @@ impl Followers {
         Ok(Lease::Refitted(Arc::new(accel)))
     }
 
-    /// Takes back a structure that can follow again, if nobody else has it and there is room to keep it.
+    /// Takes back a structure that can follow again, if nobody else has it and there is room to
+    /// keep it.
     pub fn give_back(&self, lease: Lease, keep: impl FnOnce() -> Option<Keep>) {
         let Lease::Refitted(accel) = lease else {
             return;

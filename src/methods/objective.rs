@@ -9,8 +9,8 @@ use super::statistics::Statistics;
 use crate::picture::Image;
 use crate::room;
 
-/// The image that an objective is measured on gets its own random numbers: a loss and its derivative from the same
-/// samples would be correlated, and the gradient biased (METHODS §6).
+/// The image that an objective is measured on gets its own random numbers: a loss and its
+/// derivative from the same samples would be correlated, and the gradient biased (METHODS §6).
 const OBJECTIVE_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The function of the image whose gradient [`backward`](super::backward()) computes.

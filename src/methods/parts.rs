@@ -51,7 +51,8 @@ impl Parts {
         })
     }
 
-    /// The parts of an edited scene: only what the edits touch is made anew. `accel` is over the edited meshes.
+    /// The parts of an edited scene: only what the edits touch is made anew. `accel` is over the
+    /// edited meshes.
     pub fn edited(
         &self,
         scene: &Scene,

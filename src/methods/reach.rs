@@ -9,7 +9,8 @@ const FARTHEST: f32 = 1e9;
 /// Of a principal point, in widths of the film.
 const MOST_OFFSET: f32 = 1e3;
 
-/// Refuses meshes that are farther from the origin than rays can be traced: before anything is built over them.
+/// Refuses meshes that are farther from the origin than rays can be traced: before anything is
+/// built over them.
 pub fn check_meshes(scene: &Scene) -> Result<(), EngineError> {
     for mesh in &scene.meshes {
         if let Some(&far) = mesh.positions.iter().find(|p| is_far(**p)) {

@@ -73,7 +73,8 @@ fn sharp_shadows(light: &str) -> String {
     )
 }
 
-/// Whether a reflectance is black somewhere and its gradient is asked for: paths have to go on from black surfaces then.
+/// Whether a reflectance is black somewhere and its gradient is asked for: paths have to go on from
+/// black surfaces then.
 pub fn asks_about_black(scene: &Scene, request: &SceneDifferential) -> bool {
     scene.materials.iter().any(|m| {
         m.bsdf.textures().into_iter().any(|t| {

@@ -30,7 +30,8 @@ pub struct Settings {
     pub groups: Option<Groups>,
 }
 
-/// How the samples are parted into independent groups, each with a lattice and random numbers of its own.
+/// How the samples are parted into independent groups, each with a lattice and random numbers of
+/// its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Groups {
     /// Divides the number of samples a pixel.

@@ -1,4 +1,5 @@
-//! What every method sets up for one image: camera, film, groups of samples, and the way through their tiles.
+//! What every method sets up for one image: camera, film, groups of samples, and the way through
+//! their tiles.
 
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
@@ -26,7 +27,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Tiles handed to the threads at once, a thread: their results wait in memory until they are added in order.
+/// Tiles handed to the threads at once, a thread: their results wait in memory until they are added
+/// in order.
 const TILES_PER_THREAD: usize = 8;
 
 /// Everything that does not depend on a direction in parameter space.
@@ -103,7 +105,8 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Sees to it that what is asked about is looked for where it moves, and sampled where it is black now.
+    /// Sees to it that what is asked about is looked for where it moves, and sampled where it is
+    /// black now.
     pub fn ask_about(&mut self, request: &SceneDifferential) {
         self.moving = Moving::new(self.scene, &self.parts.geometry, request);
         self.limits.black_goes_on = refusals::asks_about_black(self.scene, request);
@@ -140,8 +143,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Does `work(group, tile)` for all tiles of all groups on the threads, and gives the results to `merge` in
-    /// order: sums do not depend on the number of threads.
+    /// Does `work(group, tile)` for all tiles of all groups on the threads, and gives the results
+    /// to `merge` in order: sums do not depend on the number of threads.
     pub fn for_each_tile<T: Send>(
         &self,
         progress: &dyn Progress,

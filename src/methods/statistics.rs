@@ -15,11 +15,12 @@ pub struct Statistics {
     pub rejected: BTreeMap<&'static str, u64>,
     /// Seconds, by stage.
     pub seconds: BTreeMap<&'static str, f64>,
-    /// What the threads spent in tiles, added up over threads: the computation without what surrounds it.
+    /// What the threads spent in tiles, added up over threads: the computation without what
+    /// surrounds it.
     pub tile_seconds: f64,
-    /// The share that the largest part has in a gradient, by key: of `backward` that of one packet of paths or one border on
-    /// the film in the sum of their squares, of a gradient image (under `gradient`) that of one pixel in a thousand in the
-    /// variance.
+    /// The share that the largest part has in a gradient, by key: of `backward` that of one packet
+    /// of paths or one border on the film in the sum of their squares, of a gradient image (under
+    /// `gradient`) that of one pixel in a thousand in the variance.
     pub largest_parts: BTreeMap<String, f64>,
     /// Remarks for the user.
     pub notes: Vec<String>,

@@ -4,7 +4,8 @@ use crate::gradient::terms::Object;
 use crate::scene::Rgb;
 use crate::scene::parameters::Target;
 
-/// Where one part carries more of a result than this, its standard error may be too small (scripts/coverage.py).
+/// Where one part carries more of a result than this, its standard error may be too small
+/// (scripts/coverage.py).
 pub const MOST: f64 = 0.3;
 
 /// What a parameter's gradient is a part of.

@@ -1,4 +1,5 @@
-//! Gradient images as pictures: a diverging colour map symmetric about zero, with its scale in the picture.
+//! Gradient images as pictures: a diverging colour map symmetric about zero, with its scale in the
+//! picture.
 
 use super::colormap::diverging;
 use super::error::FileError;
@@ -6,8 +7,8 @@ use super::{glyphs, png};
 use crate::picture::Image;
 use std::path::Path;
 
-/// Small images are enlarged by a whole factor until they are at least this wide, so that single pixels
-/// can be seen and the scale's labels fit.
+/// Small images are enlarged by a whole factor until they are at least this wide, so that single
+/// pixels can be seen and the scale's labels fit.
 const LEAST_WIDTH: usize = 256;
 /// Rows of the colour bar, and the margin around it and its labels.
 const BAR: usize = 10;
@@ -16,8 +17,8 @@ const MARGIN: usize = 6;
 const INK: [u8; 3] = [30, 30, 30];
 const PAPER: [u8; 3] = [255, 255, 255];
 
-/// Writes the mean of `image`'s channels, `scale` being the deepest colour: above it, as for outliers,
-/// colours saturate.
+/// Writes the mean of `image`'s channels, `scale` being the deepest colour: above it, as for
+/// outliers, colours saturate.
 pub fn write(path: &Path, image: &Image, scale: f32) -> Result<(), FileError> {
     let canvas = draw(image, scale);
     let comment = format!(
@@ -34,8 +35,9 @@ pub fn write(path: &Path, image: &Image, scale: f32) -> Result<(), FileError> {
     )
 }
 
-/// A scale for [`write()`]: the 99.5th percentile of the magnitudes that are not zero, rounded up to two
-/// digits. A few fireflies do not wash the rest out; a mostly black image is not judged by its black.
+/// A scale for [`write()`]: the 99.5th percentile of the magnitudes that are not zero, rounded up
+/// to two digits. A few fireflies do not wash the rest out; a mostly black image is not judged by
+/// its black.
 pub fn robust_scale(image: &Image) -> f32 {
     let mut magnitudes: Vec<f32> = image
         .pixels

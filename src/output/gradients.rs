@@ -22,7 +22,8 @@ pub fn reduced(
         .collect()
 }
 
-/// The mean of the groups under `name`, followed by its standard error if it is wanted and can be told.
+/// The mean of the groups under `name`, followed by its standard error if it is wanted and can be
+/// told.
 pub fn of_groups(
     name: &str,
     shape: &[usize],

@@ -1,4 +1,5 @@
-//! Files that leave the program, and the image and array files that users hand in: one module per format.
+//! Files that leave the program, and the image and array files that users hand in: one module per
+//! format.
 
 pub mod atomic;
 pub mod chart;

@@ -14,7 +14,8 @@ const START_BYTES: u64 = 1 << 16;
 pub struct PictureFile {
     path: PathBuf,
     kind: Kind,
-    /// Width and height in pixels. Of a file that does not say, or says it in a way that decoding will refuse, `None`.
+    /// Width and height in pixels. Of a file that does not say, or says it in a way that decoding
+    /// will refuse, `None`.
     size: Option<[u64; 2]>,
 }
 

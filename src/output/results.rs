@@ -71,7 +71,8 @@ fn check_tensors(tensors: &[Tensor]) -> Result<(), NotFinite> {
     }
 }
 
-/// Names of the files of `render`, `forward` and `backward`, in the order in which they are written.
+/// Names of the files of `render`, `forward` and `backward`, in the order in which they are
+/// written.
 pub const RENDER: [&str; 2] = ["image.exr", "image.png"];
 pub const FORWARD: [&str; 5] = [
     "gradient.exr",

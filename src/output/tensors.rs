@@ -33,7 +33,8 @@ pub fn write_safetensors(path: &Path, tensors: &[Tensor]) -> Result<(), FileErro
             ))
         })
         .collect::<Result<Vec<_>, safetensors::SafeTensorError>>();
-    // No metadata: it would be written in the order of a hash map, and equal runs must give equal bytes.
+    // No metadata: it would be written in the order of a hash map, and equal runs must give equal
+    // bytes.
     let file = views
         .and_then(|views| safetensors::serialize(views, None))
         .map_err(|error| FileError::io(path, error))?;
@@ -159,7 +160,8 @@ impl Entry<'_> {
     }
 }
 
-/// Writes the tensors as one uncompressed `.npz` archive, without dates so that equal runs give equal bytes.
+/// Writes the tensors as one uncompressed `.npz` archive, without dates so that equal runs give
+/// equal bytes.
 pub fn write_npz(path: &Path, tensors: &[Tensor]) -> Result<(), FileError> {
     let file = npz(tensors).map_err(|error| FileError::io(path, error))?;
     atomic::write(path, |writer| writer.write_all(&file))

@@ -9,12 +9,14 @@ use crate::paths::surface::vertex::Surface;
 
 /// Lanes on the two sides of bends, and the planes of the triangles there.
 ///
-/// Over a bend the shading normal n goes on, and what arrives from a direction d is reflected alike on both sides. It is hidden on one
-/// side only if d lies between the planes of the two triangles. All else is left out: it would bring what the radiance
-/// changes by from one probe to the other, which is no jump, and for each of the many edges in a cell.
+/// Over a bend the shading normal n goes on, and what arrives from a direction d is reflected alike
+/// on both sides. It is hidden on one side only if d lies between the planes of the two triangles.
+/// All else is left out: it would bring what the radiance changes by from one probe to the other,
+/// which is no jump, and for each of the many edges in a cell.
 pub struct BetweenPlanes {
     lanes: u32,
-    /// Geometric normals on the side of n, of each lane's triangle and of that on the other side of the edge.
+    /// Geometric normals on the side of n, of each lane's triangle and of that on the other side of
+    /// the edge.
     planes: [V3<Lane>; 2],
 }
 
@@ -40,11 +42,12 @@ impl BetweenPlanes {
         !self.lanes | (own ^ other)
     }
 
-    /// The part of the directions that diffuse lobes draw that can lie between the planes, nearest to the horizon; 1 in lanes that are
-    /// beside no bend.
+    /// The part of the directions that diffuse lobes draw that can lie between the planes, nearest
+    /// to the horizon; 1 in lanes that are beside no bend.
     ///
-    /// Such a direction has n·d ≤ |n × g| for the normal g of one of the planes. The square of n·d is uniform under
-    /// cosine-distributed directions, so that is |n × g|² of them. If all were drawn, the jump would be rare and large.
+    /// Such a direction has n·d ≤ |n × g| for the normal g of one of the planes. The square of n·d
+    /// is uniform under cosine-distributed directions, so that is |n × g|² of them. If all were
+    /// drawn, the jump would be rare and large.
     pub fn rim(&self, vertices: &Vertices, surface: &Surface) -> Lane {
         let lanes = self.lanes & !vertices.kinds.special();
         let sine2 = self.planes.map(|g| {
@@ -65,7 +68,8 @@ impl BetweenPlanes {
 const ROUNDING: f32 = 1e-5;
 
 impl SceneView<'_> {
-    /// Leaves out what is alike on both sides of bends: emission, and light samples from elsewhere than between the planes.
+    /// Leaves out what is alike on both sides of bends: emission, and light samples from elsewhere
+    /// than between the planes.
     pub fn keep_between(
         &self,
         between: &BetweenPlanes,

@@ -6,8 +6,8 @@ use crate::scene::Rgb;
 
 /// A place where an integrand jumps, in one of the integrals along a path.
 ///
-/// With F the boundary's function (`discontinuity::boundary`) and Ḟ its derivative at the fixed coordinate
-/// `at`, the sample adds `weight`·Ḟ to the gradient.
+/// With F the boundary's function (`discontinuity::boundary`) and Ḟ its derivative at the fixed
+/// coordinate `at`, the sample adds `weight`·Ḟ to the gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct BoundarySample {
     pub boundary: Boundary,

@@ -1,8 +1,10 @@
-//! The table of random dimensions: what every random number is for. Whoever draws one has a row here, and no two share one.
+//! The table of random dimensions: what every random number is for. Whoever draws one has a row
+//! here, and no two share one.
 //!
-//! There are three kinds. *Pairs* are points of well spread sets, one a vertex and lane (`Numbers::pair`). *Singles* are
-//! numbers of their own, named by what they are for and up to three numbers more. *Branches* are streams of their own,
-//! for those that draw as many numbers as they happen to need. `tests/architecture` holds each row to one user.
+//! There are three kinds. *Pairs* are points of well spread sets, one a vertex and lane
+//! (`Numbers::pair`). *Singles* are numbers of their own, named by what they are for and up to
+//! three numbers more. *Branches* are streams of their own, for those that draw as many numbers as
+//! they happen to need. `tests/architecture` holds each row to one user.
 
 use crate::paths::random::Stream;
 
@@ -128,7 +130,8 @@ mod tests {
         }
     }
 
-    /// Numbers that differ in one word of their names are as good as independent: all pairs of words nearby are tried.
+    /// Numbers that differ in one word of their names are as good as independent: all pairs of
+    /// words nearby are tried.
     #[test]
     fn singles_and_branches_do_not_meet() {
         let stream = Stream::new(11, [2, 3]);

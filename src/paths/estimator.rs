@@ -1,10 +1,11 @@
 //! The seam between rendering and the boundary terms of its gradient.
 //!
-//! An integral whose integrand jumps has a derivative with two terms: the integral of the integrand's own derivative, and a
-//! term of the places where it jumps. The first needs nothing but the stored paths. For the second the
-//! integrator calls an estimator wherever it estimates such an integral: over the film, over a light, over the
-//! environment, over the directions of a lobe. The estimator leaves [`BoundarySample`]s there, all of one kind, which the
-//! sweeps differentiate. Neither the integrator nor the sweeps know which estimator left them.
+//! An integral whose integrand jumps has a derivative with two terms: the integral of the
+//! integrand's own derivative, and a term of the places where it jumps. The first needs nothing but
+//! the stored paths. For the second the integrator calls an estimator wherever it estimates such an
+//! integral: over the film, over a light, over the environment, over the directions of a lobe. The
+//! estimator leaves [`BoundarySample`]s there, all of one kind, which the sweeps differentiate.
+//! Neither the integrator nor the sweeps know which estimator left them.
 //!
 //! [`BoundarySample`]: crate::paths::boundary_sample::BoundarySample
 
@@ -25,7 +26,8 @@ pub trait BoundaryEstimator: Sync {
         None
     }
 
-    /// Whether the film's lattice needs one point more beyond each side of a tile, so that its cells cover the tile.
+    /// Whether the film's lattice needs one point more beyond each side of a tile, so that its
+    /// cells cover the tile.
     fn closes_lattice(&self) -> bool {
         false
     }
@@ -33,13 +35,16 @@ pub trait BoundaryEstimator: Sync {
     /// Over the film: jumps of the radiance in a tile, whose samples have been traced.
     fn film(&self, _film: &FilmTile, _out: &mut Found) {}
 
-    /// Over a light: jumps of its visibility and its radiance, seen from a vertex that has drawn a sample of it.
+    /// Over a light: jumps of its visibility and its radiance, seen from a vertex that has drawn a
+    /// sample of it.
     fn light(&self, _at: &At, _draw: &LightDraw, _out: &mut Found) {}
 
-    /// Over an environment map: jumps of its visibility, seen from a vertex that has drawn a sample of it.
+    /// Over an environment map: jumps of its visibility, seen from a vertex that has drawn a sample
+    /// of it.
     fn environment(&self, _at: &At, _out: &mut Found) {}
 
-    /// Over the directions of a lobe: jumps of the radiance that arrives at a vertex whose bounce has been traced.
+    /// Over the directions of a lobe: jumps of the radiance that arrives at a vertex whose bounce
+    /// has been traced.
     fn lobe(&self, _at: &At, _bounce: &Bounce, _out: &mut Found) {}
 }
 

@@ -1,7 +1,8 @@
 //! Tracing paths, one packet of lanes at a time: camera ray, light samples, bounce, and so on.
 //!
-//! What is drawn and how it is weighed is in `paths::light`, `paths::environment` and `paths::surface`. Wherever an
-//! integral is estimated whose integrand may jump, the boundary estimator is called (`paths::estimator`).
+//! What is drawn and how it is weighed is in `paths::light`, `paths::environment` and
+//! `paths::surface`. Wherever an integral is estimated whose integrand may jump, the boundary
+//! estimator is called (`paths::estimator`).
 
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
@@ -30,7 +31,8 @@ pub struct Start {
     pub depth: u32,
     /// Whether what the first rays find emitting counts.
     pub with_emission: bool,
-    /// Lanes of whose first vertex only the light counts that arrives between two planes ([`BetweenPlanes`]).
+    /// Lanes of whose first vertex only the light counts that arrives between two planes
+    /// ([`BetweenPlanes`]).
     pub between_planes: u32,
 }
 
@@ -138,7 +140,8 @@ impl Integrator<'_> {
         } else {
             &mut store.counts.bounce
         } += rays.active.count_ones() as u64;
-        // What a probe's first ray finds emitting counts where the path it stands for would count it.
+        // What a probe's first ray finds emitting counts where the path it stands for would count
+        // it.
         let hides_emission =
             (start.depth == 0 && view.limits.hide_emitters) || !start.with_emission;
         let mut vertices = Vertices {
@@ -253,7 +256,8 @@ impl Integrator<'_> {
         store.vertices.push(vertices);
     }
 
-    /// Whether the paths that have left a vertex need not be followed to another; then what jumps in its lobes is found here.
+    /// Whether the paths that have left a vertex need not be followed to another; then what jumps
+    /// in its lobes is found here.
     fn ends(
         &self,
         path: &mut Path,
@@ -287,7 +291,8 @@ impl Integrator<'_> {
         true
     }
 
-    /// Has the estimator find what jumps over the lobes of the vertex stored last, whose bounces have been traced.
+    /// Has the estimator find what jumps over the lobes of the vertex stored last, whose bounces
+    /// have been traced.
     fn look_over_lobe(
         &self,
         path: &Path,
@@ -315,7 +320,8 @@ impl Integrator<'_> {
         vertices.boundary[1] = found.samples.len() as u32;
     }
 
-    /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light samples.
+    /// Emission found by a bounce counts fully in narrow lobes; in others it shares with light
+    /// samples.
     fn mis_weigh_emission(&self, vertices: &mut Vertices, path: &Path, store: &TileStore) {
         let (Some((surface, rim)), Some(from)) = (&path.previous, store.vertices.last()) else {
             return;

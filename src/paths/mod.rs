@@ -1,6 +1,7 @@
 //! Paths: how film samples lie, how paths are traced and stored, how they become an image.
 //!
-//! All of it is the rendering itself: estimators of what jumps are called through one seam and are not named here.
+//! All of it is the rendering itself: estimators of what jumps are called through one seam and are
+//! not named here.
 
 pub mod at;
 pub mod between_planes;

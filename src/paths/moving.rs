@@ -1,9 +1,10 @@
 //! What can move, and where: silhouettes are looked for only where one that moves may be found.
 //!
-//! A silhouette that x sees brings something only if it moves in the coordinates in which x sees it: if its own mesh
-//! moves, or x does. A line or a cell of a point that rests is left out if it passes all boxes around meshes that move. It is
-//! left out whole or not at all: what weighs a silhouette by the chance of finding it (`boundary::inclusion`) needs all that lies
-//! beside it, moving or not.
+//! A silhouette that x sees brings something only if it moves in the coordinates in which x sees
+//! it: if its own mesh moves, or x does. A line or a cell of a point that rests is left out if it
+//! passes all boxes around meshes that move. It is left out whole or not at all: what weighs a
+//! silhouette by the chance of finding it (`boundary::inclusion`) needs all that lies beside it,
+//! moving or not.
 
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
@@ -47,7 +48,8 @@ impl Sector {
     }
 }
 
-/// Boxes are taken for larger, per unit of the largest coordinate and one: several times what rays leave surfaces by.
+/// Boxes are taken for larger, per unit of the largest coordinate and one: several times what rays
+/// leave surfaces by.
 const MARGIN: f64 = 1e-4;
 
 impl Moving {

@@ -9,7 +9,8 @@ use crate::scene::Environment;
 use glam::Vec3;
 
 impl SceneView<'_> {
-    /// Radiance of each path of `store` that begins at `path`: Σ over vertices of throughput · (emission + light samples).
+    /// Radiance of each path of `store` that begins at `path`: Σ over vertices of throughput ·
+    /// (emission + light samples).
     pub fn radiance(&self, store: &TileStore, path: &[Vertices]) -> V3<Lane> {
         let mut sum = V3::splat(0.0);
         let mut previous: Option<&Vertices> = None;

@@ -1,10 +1,11 @@
 //! Random numbers from counters: Owen-scrambled Sobol points in Morton order over a tile's lattice.
 //!
-//! Every number is a pure function of (seed, stream, lattice point, dimension). Neighbouring lattice points get
-//! neighbouring indices of a (0,2)-sequence, so that any aligned block of 2^k × 2^k film samples has well
-//! spread light and bounce samples (Ahmed & Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo
-//! Sampling Error via Hierarchical Ordering of Pixels"). The scrambling is Burley's hash ("Practical
-//! Hash-based Owen Scrambling", 2020) and every pair of dimensions shuffles the index anew.
+//! Every number is a pure function of (seed, stream, lattice point, dimension). Neighbouring
+//! lattice points get neighbouring indices of a (0,2)-sequence, so that any aligned block of 2^k ×
+//! 2^k film samples has well spread light and bounce samples (Ahmed & Wonka 2020, "Screen-Space
+//! Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels"). The
+//! scrambling is Burley's hash ("Practical Hash-based Owen Scrambling", 2020) and every pair of
+//! dimensions shuffles the index anew.
 
 use crate::lanes::{LANES, Lane};
 
@@ -72,7 +73,8 @@ fn spread(x: u32) -> u32 {
     (x | x << 1) & 0x5555_5555
 }
 
-/// Owen scrambling of a number whose bits are already reversed (Laine–Karras, constants by Vegdahl).
+/// Owen scrambling of a number whose bits are already reversed (Laine–Karras, constants by
+/// Vegdahl).
 #[inline(always)]
 fn owen(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -83,8 +85,8 @@ fn owen(mut x: u32, seed: u32) -> u32 {
     x
 }
 
-/// The generator matrix of Sobol's second dimension, bit order reversed on output: Pascal's triangle modulo 2,
-/// which is a tensor power of [[1, 1], [0, 1]] and so takes five steps.
+/// The generator matrix of Sobol's second dimension, bit order reversed on output: Pascal's
+/// triangle modulo 2, which is a tensor power of [[1, 1], [0, 1]] and so takes five steps.
 #[inline(always)]
 fn pascal(mut i: u32) -> u32 {
     i ^= (i & 0xaaaa_aaaa) >> 1;
@@ -113,7 +115,8 @@ fn to_unit(x: u32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Any 2^k consecutive aligned points hit every elementary interval once: the (0, k, 2)-net property.
+    /// Any 2^k consecutive aligned points hit every elementary interval once: the (0, k, 2)-net
+    /// property.
     #[test]
     fn pairs_are_nets() {
         let stream = Stream::new(7, [3, 5]);

@@ -43,8 +43,8 @@ impl RayPacket {
 /// Shadow rays stop a little before the light.
 pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
 
-/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one: some hundred units in the
-/// last place, what rounding can have moved the hit by.
+/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one: some
+/// hundred units in the last place, what rounding can have moved the hit by.
 pub const OFFSET: f32 = 2e-5;
 
 /// A point just off the surface, on the side that `direction` leaves to.

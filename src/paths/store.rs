@@ -9,10 +9,11 @@ use crate::paths::surface::kinds::Kinds;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
-/// One path vertex in each lane: the ray that arrived and what was sampled where it ended. Some 150 bytes a path.
+/// One path vertex in each lane: the ray that arrived and what was sampled where it ended. Some 150
+/// bytes a path.
 ///
-/// Everything here is a value at θ₀. The sweeps re-solve positions and normals from the rays and triangles with
-/// tangents or cotangents attached.
+/// Everything here is a value at θ₀. The sweeps re-solve positions and normals from the rays and
+/// triangles with tangents or cotangents attached.
 #[derive(Clone, Debug)]
 pub struct Vertices {
     /// Lanes whose ray ended on a surface.
@@ -30,22 +31,26 @@ pub struct Vertices {
     pub kinds: Kinds,
     /// Product of weights before this vertex.
     pub throughput: V3<Lane>,
-    /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from this side.
+    /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from
+    /// this side.
     pub diffuse_reflectance: V3<Lane>,
-    /// Multiplies the emission found by the arriving ray. 1 for camera rays and what narrow lobes found; for `sampled`
-    /// lanes the MIS weight and what turns the irradiance of the previous vertex into radiance.
+    /// Multiplies the emission found by the arriving ray. 1 for camera rays and what narrow lobes
+    /// found; for `sampled` lanes the MIS weight and what turns the irradiance of the previous
+    /// vertex into radiance.
     pub emission_weight: Lane,
     /// Lanes whose emission is a sample of the previous vertex's integral over the lights.
     pub sampled: u32,
     /// π times the BSDF times the irradiance that `sampled` lanes bring to the previous vertex.
     pub sampled_value: V3<Lane>,
     pub light: LightSamples,
-    /// Lanes whose path goes on by diffuse scattering, reflection or refraction; others go straight on.
+    /// Lanes whose path goes on by diffuse scattering, reflection or refraction; others go straight
+    /// on.
     pub lobes: Lobes,
-    /// Coordinate of the next direction in the frame of the shading normal: the direction itself, or the microfacet's
-    /// normal (`kernels::bsdf`).
+    /// Coordinate of the next direction in the frame of the shading normal: the direction itself,
+    /// or the microfacet's normal (`kernels::bsdf`).
     pub local: V3<Lane>,
-    /// One over the density of that coordinate and the chance of its lobe, in the measure of `bsdf_sample`.
+    /// One over the density of that coordinate and the chance of its lobe, in the measure of
+    /// `bsdf_sample`.
     pub inverse_density: Lane,
     /// The chance that its lobe was drawn.
     pub lobe_chance: Lane,
@@ -53,8 +58,8 @@ pub struct Vertices {
     pub weight: V3<Lane>,
     /// 1/(chance of going on), 0 where the path ends here.
     pub survival: Lane,
-    /// 1/(chance of looking for silhouettes over the hemisphere), 0 where none are looked for. Not `survival` where a rough lobe's
-    /// bounce ends below the horizon: the lobe itself does not.
+    /// 1/(chance of looking for silhouettes over the hemisphere), 0 where none are looked for. Not
+    /// `survival` where a rough lobe's bounce ends below the horizon: the lobe itself does not.
     pub line_survival: Lane,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],

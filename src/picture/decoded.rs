@@ -9,8 +9,8 @@ pub struct Picture {
     pub width: u32,
     /// In texels.
     pub height: u32,
-    /// Red, green and blue, row by row from the top, each from the left: `width · height` of them. Grey
-    /// is in all three; alpha is dropped, and colours are not divided or multiplied by it.
+    /// Red, green and blue, row by row from the top, each from the left: `width · height` of them.
+    /// Grey is in all three; alpha is dropped, and colours are not divided or multiplied by it.
     pub pixels: Vec<[f32; 3]>,
     /// How the file stores colours.
     pub encoding: Encoding,
@@ -19,8 +19,8 @@ pub struct Picture {
 /// How a file stores colours, whatever was made of them while reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Integers, taken to be sRGB-encoded. The pixels are linear after [`super::Colours::Auto`], and as stored
-    /// but divided by the largest integer after [`super::Colours::Raw`].
+    /// Integers, taken to be sRGB-encoded. The pixels are linear after [`super::Colours::Auto`],
+    /// and as stored but divided by the largest integer after [`super::Colours::Raw`].
     Srgb,
     /// Linear numbers, and so are the pixels.
     Linear,

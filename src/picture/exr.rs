@@ -1,7 +1,7 @@
 //! OpenEXR: half and float channels R, G and B, or grey Y, with or without others beside them.
 //!
-//! Blocks are decoded one by one, so that layers, mip-map levels and channels which are not asked for
-//! take no memory.
+//! Blocks are decoded one by one, so that layers, mip-map levels and channels which are not asked
+//! for take no memory.
 
 use super::error::Fault;
 use super::size::texels;

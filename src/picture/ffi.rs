@@ -43,7 +43,8 @@ impl Open {
         })
     }
 
-    /// `width · height · channels` numbers, row by row from the top. The size must have been checked.
+    /// `width · height · channels` numbers, row by row from the top. The size must have been
+    /// checked.
     pub fn samples(&mut self) -> Result<Vec<f32>, Fault> {
         let Spec {
             width,

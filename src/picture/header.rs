@@ -6,8 +6,8 @@ use image::ImageDecoder;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use std::io::Cursor;
 
-/// Width and height in texels of a picture whose file begins with `bytes`; `None` if they do not say, or are broken:
-/// decoding tells what is wrong with them.
+/// Width and height in texels of a picture whose file begins with `bytes`; `None` if they do not
+/// say, or are broken: decoding tells what is wrong with them.
 pub fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
     let from = Cursor::new(bytes);
     let (width, height) = match Format::of(bytes)? {

@@ -1,7 +1,7 @@
 //! Pictures from files: textures, environment maps, target images.
 //!
-//! EXR, PNG, JPEG, Radiance HDR and PFM are read by what is built in; with the feature `oiio`, other
-//! formats by OpenImageIO. What a file holds decides which, not what it is called.
+//! EXR, PNG, JPEG, Radiance HDR and PFM are read by what is built in; with the feature `oiio`,
+//! other formats by OpenImageIO. What a file holds decides which, not what it is called.
 
 mod decoded;
 mod error;
@@ -34,14 +34,15 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// One sentence that names the file, if it is not there or is no picture in a known format, if it is
-/// broken, ends too early or is absurdly large, if a texel is not finite, or if memory does not hold it.
+/// One sentence that names the file, if it is not there or is no picture in a known format, if it
+/// is broken, ends too early or is absurdly large, if a texel is not finite, or if memory does not
+/// hold it.
 pub fn read(file: &Path, wanted: impl Into<Wanted>) -> Result<Picture, PictureError> {
     decode(&error::read_file(file)?, file, wanted)
 }
 
-/// As [`read`], but the `bytes` of `file` have been read already. The file's name is for errors; and for
-/// OpenImageIO, which opens it anew.
+/// As [`read`], but the `bytes` of `file` have been read already. The file's name is for errors;
+/// and for OpenImageIO, which opens it anew.
 ///
 /// # Errors
 ///

@@ -7,8 +7,8 @@ use super::{Colours, Encoding, Picture, PictureError, format, srgb_to_linear};
 use crate::room;
 use std::path::Path;
 
-/// Reads a picture of any format that OpenImageIO knows: the first image of the file, of mip maps the
-/// largest. Integers are sRGB-encoded unless the file says that they are linear.
+/// Reads a picture of any format that OpenImageIO knows: the first image of the file, of mip maps
+/// the largest. Integers are sRGB-encoded unless the file says that they are linear.
 ///
 /// # Errors
 ///

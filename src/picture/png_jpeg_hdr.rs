@@ -1,6 +1,7 @@
 //! PNG, JPEG and Radiance HDR, by the `image` crate.
 //!
-//! As Mitsuba does, colour profiles, gamma chunks, orientation tags and exposure lines are left alone.
+//! As Mitsuba does, colour profiles, gamma chunks, orientation tags and exposure lines are left
+//! alone.
 
 use super::error::Fault;
 use super::size::texels;

@@ -3,7 +3,8 @@
 /// 16384 × 16384: 3 GiB as floats.
 const MOST_TEXELS: u64 = 1 << 28;
 
-/// The best compressed of pictures, one colour in a wavelet-compressed EXR, holds fewer texels a byte.
+/// The best compressed of pictures, one colour in a wavelet-compressed EXR, holds fewer texels a
+/// byte.
 const MOST_TEXELS_A_BYTE: u64 = 1 << 16;
 
 /// The number of texels of a picture in a file of `file_bytes`.

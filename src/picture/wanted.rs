@@ -3,7 +3,8 @@
 /// What to make of stored numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colours {
-    /// They are colours: integers are sRGB-encoded and become linear, floating-point numbers are linear.
+    /// They are colours: integers are sRGB-encoded and become linear, floating-point numbers are
+    /// linear.
     #[default]
     Auto,
     /// They are data, such as normals or roughness: only divided by the largest integer.
@@ -16,7 +17,8 @@ pub enum ChannelNames {
     /// R, G and B, or Y.
     #[default]
     Plain,
-    /// These, large or small, or `layer.R` and so on, as renderers write them; or a single one of any name.
+    /// These, large or small, or `layer.R` and so on, as renderers write them; or a single one of
+    /// any name.
     WithPrefix,
 }
 

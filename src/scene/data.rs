@@ -52,11 +52,11 @@ pub enum Normals {
     /// One geometric normal a triangle.
     #[default]
     Flat,
-    /// Unit vertex normals read from the file: data of their own, which rigid motions carry along and
-    /// which `vertex_positions` leaves alone. One a vertex.
+    /// Unit vertex normals read from the file: data of their own, which rigid motions carry along
+    /// and which `vertex_positions` leaves alone. One a vertex.
     Given(Vec<Vec3>),
-    /// Unit vertex normals computed from the positions (angle-weighted), so that they move with them.
-    /// One a vertex; the values at the present positions.
+    /// Unit vertex normals computed from the positions (angle-weighted), so that they move with
+    /// them. One a vertex; the values at the present positions.
     Computed(Vec<Vec3>),
 }
 
@@ -76,18 +76,21 @@ pub struct Material {
     /// The key under which `params` lists it (`<id>` or `<shape id>.bsdf`).
     pub key: String,
     pub bsdf: Bsdf,
-    /// Reflects on both sides (`twosided`); otherwise the back is black. Means nothing to those that transmit.
+    /// Reflects on both sides (`twosided`); otherwise the back is black. Means nothing to those
+    /// that transmit.
     pub two_sided: bool,
 }
 
-/// Plugins of Mitsuba 3, with its conventions. Colours and roughnesses are indices into [`Scene::textures`].
+/// Plugins of Mitsuba 3, with its conventions. Colours and roughnesses are indices into
+/// [`Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     Diffuse {
         reflectance: usize,
     },
     Conductor {
-        /// Real and imaginary index of refraction, in RGB. A mirror of reflectance 1 has η = 0, k = 1.
+        /// Real and imaginary index of refraction, in RGB. A mirror of reflectance 1 has η = 0, k =
+        /// 1.
         eta: usize,
         k: usize,
         specular_reflectance: usize,
@@ -129,10 +132,11 @@ pub enum Distribution {
 /// A colour or a number over a surface.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    /// Of the slot that uses it first, such as `floor.bsdf.reflectance`: `params` lists `<key>.value` and so on.
+    /// Of the slot that uses it first, such as `floor.bsdf.reflectance`: `params` lists
+    /// `<key>.value` and so on.
     pub key: String,
-    /// All its numbers: one for a constant, two for a checkerboard, row by row for a bitmap. Those of one channel hold
-    /// it three times.
+    /// All its numbers: one for a constant, two for a checkerboard, row by row for a bitmap. Those
+    /// of one channel hold it three times.
     pub texels: Vec<Rgb>,
     pub layout: Layout,
     /// 3, or 1 for roughnesses and indices of refraction.
@@ -144,7 +148,8 @@ pub struct Texture {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layout {
     Constant,
-    /// The first texel where both coordinates, after `to_uv`, are in the same half of the unit, else the second.
+    /// The first texel where both coordinates, after `to_uv`, are in the same half of the unit,
+    /// else the second.
     Checkerboard {
         to_uv: Affine2,
     },
@@ -198,7 +203,8 @@ pub struct AreaLight {
 pub struct DeltaLight {
     pub key: String,
     pub kind: DeltaLightKind,
-    /// Index into [`Scene::textures`]: intensity (W/sr) of a point, irradiance across the beam of a directional light.
+    /// Index into [`Scene::textures`]: intensity (W/sr) of a point, irradiance across the beam of a
+    /// directional light.
     pub power: usize,
 }
 
@@ -217,7 +223,8 @@ pub enum DeltaLightKind {
 #[derive(Clone, Debug)]
 pub struct Environment {
     pub key: String,
-    /// Index into [`Scene::textures`]: a constant, or a latitude-longitude bitmap if there is a `map`.
+    /// Index into [`Scene::textures`]: a constant, or a latitude-longitude bitmap if there is a
+    /// `map`.
     pub radiance: usize,
     pub map: Option<EnvironmentMap>,
 }
@@ -254,8 +261,8 @@ impl Texture {
         self.layout != Layout::Constant
     }
 
-    /// Which texel is `color0` (or `color1`, if `number` is 1) of a checkerboard. Mitsuba exchanges the two where a
-    /// checkerboard stands for a number, such as a roughness.
+    /// Which texel is `color0` (or `color1`, if `number` is 1) of a checkerboard. Mitsuba exchanges
+    /// the two where a checkerboard stands for a number, such as a roughness.
     pub fn checkerboard_texel(&self, number: usize) -> usize {
         if self.channels == 1 {
             1 - number
@@ -346,7 +353,8 @@ impl Bsdf {
 #[derive(Clone, Debug)]
 pub struct Sensor {
     pub id: String,
-    /// Camera to world: looks along +z, +x is left in the image, +y up (Mitsuba's convention). Rigid.
+    /// Camera to world: looks along +z, +x is left in the image, +y up (Mitsuba's convention).
+    /// Rigid.
     pub to_world: Affine3A,
     /// Horizontal opening angle in radians, whatever `fov_axis` the file used.
     pub x_fov_rad: f32,

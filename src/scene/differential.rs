@@ -3,12 +3,14 @@
 use super::{Normals, Rgb, Scene};
 use glam::Vec3;
 
-/// dScene/dθ in forward mode, dLoss/dScene in reverse. What is `None` does not move, or is not asked for.
+/// dScene/dθ in forward mode, dLoss/dScene in reverse. What is `None` does not move, or is not
+/// asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDifferential {
     /// Per mesh, per vertex; world units.
     pub positions: Vec<Option<Vec<Vec3>>>,
-    /// Per mesh, per vertex: only for meshes with [`Normals::Given`] (others follow their positions).
+    /// Per mesh, per vertex: only for meshes with [`Normals::Given`] (others follow their
+    /// positions).
     pub given_normals: Vec<Option<Vec<Vec3>>>,
     /// Per texture, per texel.
     pub texels: Vec<Option<Vec<Rgb>>>,
@@ -83,7 +85,8 @@ impl SceneDifferential {
         self.texels[texture].get_or_insert_with(|| vec![[0.0; 3]; texels])
     }
 
-    /// Makes room (zeros) for the vertices of mesh `index`, and for its normals if they are its own data.
+    /// Makes room (zeros) for the vertices of mesh `index`, and for its normals if they are its own
+    /// data.
     pub fn want_mesh(&mut self, scene: &Scene, index: usize) {
         let mesh = &scene.meshes[index];
         let zeros = || vec![Vec3::ZERO; mesh.positions.len()];

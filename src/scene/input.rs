@@ -33,7 +33,8 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// The id of an object that stands directly in the scene, if it has one: parameters are listed under it.
+    /// The id of an object that stands directly in the scene, if it has one: parameters are listed
+    /// under it.
     pub fn scene_id(&self, object: usize) -> Option<&'a str> {
         let id = self.tree.objects[object].id.as_deref();
         id.filter(|_| self.in_scene.contains(&object))
@@ -61,7 +62,8 @@ impl<'a> Input<'a> {
     }
 }
 
-/// `"name" was already given`, for a slot that holds both a property and a texture, or two textures.
+/// `"name" was already given`, for a slot that holds both a property and a texture, or two
+/// textures.
 pub(super) fn given_twice(place: &Place, name: &str) -> SceneError {
     SceneError::at(place, format!("\"{name}\" is given twice"))
 }

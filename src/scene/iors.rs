@@ -1,6 +1,7 @@
 //! Indices of refraction of named dielectrics.
 //!
-//! Written by `scripts/mitsuba_tables.py` with Mitsuba 3.9.1, variant scalar_rgb. Mitsuba lowers the case of a name before it looks it up.
+//! Written by `scripts/mitsuba_tables.py` with Mitsuba 3.9.1, variant scalar_rgb. Mitsuba lowers
+//! the case of a name before it looks it up.
 
 /// Name, index of refraction.
 pub const IORS: &[(&str, f32)] = &[

@@ -1,7 +1,8 @@
-//! Complex indices of refraction of named conductors in linear sRGB, as Mitsuba resolves `material` in its rgb variants.
+//! Complex indices of refraction of named conductors in linear sRGB, as Mitsuba resolves `material`
+//! in its rgb variants.
 //!
-//! Written by `scripts/mitsuba_tables.py` with Mitsuba 3.9.1, variant scalar_rgb. Names are case-sensitive. `none` is not listed:
-//! it stands for eta = 0, k = 1, which reflects everything.
+//! Written by `scripts/mitsuba_tables.py` with Mitsuba 3.9.1, variant scalar_rgb. Names are
+//! case-sensitive. `none` is not listed: it stands for eta = 0, k = 1, which reflects everything.
 
 /// Name, eta, k.
 #[rustfmt::skip]

@@ -7,7 +7,8 @@ use glam::{DAffine3, DMat3};
 /// As far as a transform may be from rigid: Mitsuba's tolerance on the Gram matrix.
 const RIGID_TOLERANCE: f64 = 1e-3;
 
-/// The `to_world` of something (`the camera's`). A scale is refused, a mirror image is not, as in Mitsuba.
+/// The `to_world` of something (`the camera's`). A scale is refused, a mirror image is not, as in
+/// Mitsuba.
 pub(super) fn rigid(object: &Object, whose: &str) -> Result<DAffine3, SceneError> {
     let to_world = object.transform("to_world")?;
     let m = to_world.matrix3;

@@ -62,8 +62,8 @@ impl Spheres {
     }
 }
 
-/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that `is_textured` pays for texture
-/// coordinates with vertices split along seams.
+/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that
+/// `is_textured` pays for texture coordinates with vertices split along seams.
 pub(super) fn mesh(
     input: &mut Input,
     object: &Object,

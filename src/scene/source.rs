@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// Reads whole files by path.
 pub trait FileSource {
-    /// All bytes of the file. `NotFound` if there is none, `IsADirectory` or `InvalidInput` if what is
-    /// there is no regular file.
+    /// All bytes of the file. `NotFound` if there is none, `IsADirectory` or `InvalidInput` if what
+    /// is there is no regular file.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
     /// Whether something is at `path`.
     fn exists(&self, path: &Path) -> bool;

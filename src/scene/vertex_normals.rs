@@ -5,9 +5,9 @@ use glam::{DVec3, Vec3};
 /// The normal of a vertex that no triangle with an area uses, or whose triangles cancel out.
 pub const FALLBACK_NORMAL: Vec3 = Vec3::X;
 
-/// Unit normals, one a vertex: Σ over the triangles at the vertex of (angle at the vertex) · (unit normal),
-/// normalised, as Mitsuba computes them (Thürmer & Wüthrich 1998). Sums are in double precision and in the
-/// order of the triangles. Indices must be in range.
+/// Unit normals, one a vertex: Σ over the triangles at the vertex of (angle at the vertex) · (unit
+/// normal), normalised, as Mitsuba computes them (Thürmer & Wüthrich 1998). Sums are in double
+/// precision and in the order of the triangles. Indices must be in range.
 pub fn vertex_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     for triangle in triangles {

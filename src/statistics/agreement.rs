@@ -2,15 +2,15 @@
 
 use super::estimate::Estimate;
 
-/// Noise below this fraction of the gradient's root mean square is rounding: images are stored in single precision,
-/// and finite differences divide by a small step.
+/// Noise below this fraction of the gradient's root mean square is rounding: images are stored in
+/// single precision, and finite differences divide by a small step.
 const ROUNDING: f64 = 2e-3;
 
 /// How far two kinds of estimates of one image are apart, from as many independent runs of each.
 #[derive(Clone, Copy, Debug)]
 pub struct Agreement {
-    /// Mean over pixels of (Σ_r D_r)²/Σ_r D_r², D_r being the difference of the two r-th runs: 1 if the differences
-    /// have mean zero, up to the number of runs if they are all bias.
+    /// Mean over pixels of (Σ_r D_r)²/Σ_r D_r², D_r being the difference of the two r-th runs: 1 if
+    /// the differences have mean zero, up to the number of runs if they are all bias.
     pub chi_squared: Estimate,
     /// The differences projected on the reference: the relative error of the gradient's size.
     pub bias: Estimate,
@@ -19,10 +19,11 @@ pub struct Agreement {
 impl Agreement {
     /// Of runs that are each a whole image; the second are the reference.
     ///
-    /// The signs of the differences D_r are random if there is no bias, and given the |D_r| that alone is the sampling
-    /// distribution of χ² = Σ_rs G_rs/Σ_r G_rr with G_rs = Σ_i w_i D_ri D_si: its mean is 1 and the variance of its
-    /// numerator 2·Σ_{r≠s} G_rs². No pixel need be normally distributed, and pixels may depend on each other. The
-    /// weights are w_i = 1/Σ_q (D_qi² + rounding²).
+    /// The signs of the differences D_r are random if there is no bias, and given the |D_r| that
+    /// alone is the sampling distribution of χ² = Σ_rs G_rs/Σ_r G_rr with G_rs = Σ_i w_i D_ri D_si:
+    /// its mean is 1 and the variance of its numerator 2·Σ_{r≠s} G_rs². No pixel need be normally
+    /// distributed, and pixels may depend on each other. The weights are w_i = 1/Σ_q (D_qi² +
+    /// rounding²).
     pub fn new(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> Self {
         let (runs, pixels) = (ours.len(), ours[0].len());
         assert_eq!(runs, theirs.len());
@@ -57,7 +58,8 @@ impl Agreement {
             error: 2.0 * lower.iter().map(|g| g * g).sum::<f64>().sqrt() / trace,
         };
 
-        // Each difference is projected on the mean of the other reference runs, which it does not depend on.
+        // Each difference is projected on the mean of the other reference runs, which it does not
+        // depend on.
         let projections: Vec<f64> = (0..runs)
             .map(|r| {
                 let others: Vec<f64> = (0..pixels).map(|i| total[i] - theirs[r][i]).collect();

@@ -1,4 +1,5 @@
-//! Statistics of gradient images: how far two estimates are from each other, in their own error bars.
+//! Statistics of gradient images: how far two estimates are from each other, in their own error
+//! bars.
 
 use super::replicates::Replicates;
 use crate::picture::Image;
@@ -23,9 +24,11 @@ pub struct Comparison {
     pub pixels: Excess,
     /// Numbers (pixels × channels) where either estimate has anything to say.
     pub compared: usize,
-    /// Σz²/N: 1 if they agree, the error bars are right and the noise is normal; sparse noise is not.
+    /// Σz²/N: 1 if they agree, the error bars are right and the noise is normal; sparse noise is
+    /// not.
     pub chi2_per_number: f64,
-    /// The share of numbers more than four standard errors apart; 0.00006 for a normal distribution.
+    /// The share of numbers more than four standard errors apart; 0.00006 for a normal
+    /// distribution.
     pub share_beyond_4: f64,
     pub largest_z: f64,
     /// Where `largest_z` is: x, y, channel.
@@ -91,7 +94,8 @@ impl Comparison {
         // Without a signal nothing is relative to it.
         let scale = if significant { signal } else { f64::NAN };
         let slope = sums.ab / scale;
-        // The scatter over blocks holds although neighbouring pixels share samples; the bias itself is out.
+        // The scatter over blocks holds although neighbouring pixels share samples; the bias itself
+        // is out.
         let scatter: f64 = clusters
             .iter()
             .map(|[ab, bb, _]| (ab - slope * bb).powi(2))
@@ -169,8 +173,8 @@ fn block_excess(
     for (a, b) in tested.block_means().zip(reference.block_means()) {
         let variance = a.error * a.error + b.error * b.error;
         excess += shrunk(a.value - b.value, rounding).powi(2) - variance;
-        // 2·variance² for a normal distribution; an estimated variance's square is too large on average, and
-        // the more so the fewer the runs: that errs on the side of agreement.
+        // 2·variance² for a normal distribution; an estimated variance's square is too large on
+        // average, and the more so the fewer the runs: that errs on the side of agreement.
         its_variance += 2.0 * variance * variance;
         signal += b.value * b.value - b.error * b.error;
     }

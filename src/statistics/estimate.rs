@@ -30,7 +30,8 @@ impl Estimate {
     }
 }
 
-/// The standard error of the mean of `n` numbers whose squared distances from it add up to `squares`.
+/// The standard error of the mean of `n` numbers whose squared distances from it add up to
+/// `squares`.
 pub fn error_of_mean(squares: f64, n: f64) -> f64 {
     (squares / (n - 1.0) / n).sqrt()
 }

@@ -1,4 +1,5 @@
-//! Independent runs of one estimator, added up: their mean and how sure it is, by pixel and by block.
+//! Independent runs of one estimator, added up: their mean and how sure it is, by pixel and by
+//! block.
 
 use super::estimate::Estimate;
 use crate::picture::Image;

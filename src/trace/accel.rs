@@ -56,8 +56,9 @@ impl Accel {
 
     /// Follows moved vertices; `meshes` must be those of [`Accel::build`] but for their positions.
     ///
-    /// Much faster than building, and slower to trace the farther vertices went. (Embree builds anew at the first
-    /// refit.) After an error the accel holds no useful scene: drop it or refit it again.
+    /// Much faster than building, and slower to trace the farther vertices went. (Embree builds
+    /// anew at the first refit.) After an error the accel holds no useful scene: drop it or refit
+    /// it again.
     pub fn refit(&mut self, meshes: &[MeshView]) -> Result<(), TraceError> {
         if meshes.len() != self.counts.len() {
             let (old, new) = (self.counts.len(), meshes.len());
@@ -81,8 +82,8 @@ impl Accel {
         }
     }
 
-    /// Finds where each active ray first meets a triangle. `N` is 1, 4, 8 or 16; bit `i` of `active` is
-    /// lane `i`. Inactive lanes of `hits` stay as they are.
+    /// Finds where each active ray first meets a triangle. `N` is 1, 4, 8 or 16; bit `i` of
+    /// `active` is lane `i`. Inactive lanes of `hits` stay as they are.
     #[inline]
     pub fn intersect<const N: usize>(
         &self,

@@ -12,8 +12,8 @@ pub struct EmbreeScene {
 
 // SAFETY: an Embree scene has no tie to the thread that made it.
 unsafe impl Send for EmbreeScene {}
-// SAFETY: `&EmbreeScene` only allows queries, which Embree lets any number of threads run on a committed scene;
-// what changes the scene (`refit`, `drop`) takes `&mut`.
+// SAFETY: `&EmbreeScene` only allows queries, which Embree lets any number of threads run on a
+// committed scene; what changes the scene (`refit`, `drop`) takes `&mut`.
 unsafe impl Sync for EmbreeScene {}
 
 impl std::fmt::Debug for EmbreeScene {
@@ -51,8 +51,8 @@ impl EmbreeScene {
                 count: meshes.len(),
             })?;
         let mut error = no_error();
-        // SAFETY: the pointers in `raw_meshes` come from live slices of the lengths beside them, whose
-        // triangle indices `Accel` has checked; all are only read during the call.
+        // SAFETY: the pointers in `raw_meshes` come from live slices of the lengths beside them,
+        // whose triangle indices `Accel` has checked; all are only read during the call.
         let raw = unsafe {
             ffi::warpath_accel_new(raw_meshes.as_ptr(), mesh_count, &raw_options, &mut error)
         };
@@ -65,8 +65,9 @@ impl EmbreeScene {
     pub fn refit(&mut self, meshes: &[MeshView]) -> Result<(), TraceError> {
         let raw_meshes = raw_meshes(meshes);
         let mut error = no_error();
-        // SAFETY: `raw` is alive until drop and `&mut self` keeps queries away; `raw_meshes` holds as many
-        // meshes, of as many vertices, as the scene was built with: `Accel` has compared them.
+        // SAFETY: `raw` is alive until drop and `&mut self` keeps queries away; `raw_meshes` holds
+        // as many meshes, of as many vertices, as the scene was built with: `Accel` has compared
+        // them.
         let code =
             unsafe { ffi::warpath_accel_refit(self.raw.as_ptr(), raw_meshes.as_ptr(), &mut error) };
         if code == 0 {
@@ -94,9 +95,10 @@ impl EmbreeScene {
         let coherent = i32::from(coherence == Coherence::Coherent);
         let rays = std::ptr::from_ref(rays).cast::<f32>();
         let tuv = std::ptr::from_mut(hits).cast::<f32>();
-        // SAFETY: `raw` is alive until drop. `Rays<N>` and `Hits<N>` are `repr(C)` arrays of N 4-byte
-        // numbers in the order the shim documents, so the ids begin after 3N floats of the same object;
-        // `hits` is borrowed exclusively, and the shim writes nothing but those 5N numbers.
+        // SAFETY: `raw` is alive until drop. `Rays<N>` and `Hits<N>` are `repr(C)` arrays of N
+        // 4-byte numbers in the order the shim documents, so the ids begin after 3N floats of the
+        // same object; `hits` is borrowed exclusively, and the shim writes nothing but those 5N
+        // numbers.
         unsafe {
             let ids = tuv.add(3 * N).cast::<u32>();
             call(self.raw.as_ptr(), rays, active, coherent, tuv, ids);
@@ -119,7 +121,8 @@ impl EmbreeScene {
         };
         let coherent = i32::from(coherence == Coherence::Coherent);
         let rays = std::ptr::from_ref(rays).cast::<f32>();
-        // SAFETY: `raw` is alive until drop, and `Rays<N>` is the eight arrays of N floats the shim reads.
+        // SAFETY: `raw` is alive until drop, and `Rays<N>` is the eight arrays of N floats the shim
+        // reads.
         unsafe { call(self.raw.as_ptr(), rays, active, coherent) }
     }
 

@@ -12,8 +12,8 @@ pub struct Floor {
     pub hits: u64,
 }
 
-/// Times one pass of the bare loop over `packets`, all lanes active, in the widest native packets. `None` if it is not
-/// Embree that traces.
+/// Times one pass of the bare loop over `packets`, all lanes active, in the widest native packets.
+/// `None` if it is not Embree that traces.
 pub fn floor<const N: usize>(
     accel: &Accel,
     packets: &[Rays<N>],
@@ -34,8 +34,8 @@ pub fn floor<const N: usize>(
     let stride = size_of::<Rays<N>>() / size_of::<f32>();
     let coherent = i32::from(coherence == Coherence::Coherent);
     let mut hits = 0;
-    // SAFETY: the accel is alive; `packets` is `packets.len()` times `stride` floats of which the first 8N
-    // of each are the rays, only read; the widths asked for are those the shim has.
+    // SAFETY: the accel is alive; `packets` is `packets.len()` times `stride` floats of which the
+    // first 8N of each are the rays, only read; the widths asked for are those the shim has.
     let seconds = unsafe {
         ffi::warpath_floor(
             scene.raw.as_ptr(),

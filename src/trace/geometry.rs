@@ -1,4 +1,5 @@
-//! All meshes of a scene one after another: what kernels gather from, eight or sixteen triangles at a time.
+//! All meshes of a scene one after another: what kernels gather from, eight or sixteen triangles at
+//! a time.
 
 use super::pattern::Pattern;
 use crate::lanes::{LANES, Lane, V3};

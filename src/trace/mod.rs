@@ -1,7 +1,8 @@
 //! Ray queries: packets of rays against the scene's triangles, by Embree or by obvhs.
 //!
-//! [`Accel`] is the only door to either; the crate's `unsafe` code is nearly all in this module. Which width and which
-//! [`Coherence`] to use for which rays is measured in `docs/embree.md`, which backend is faster in `docs/backends.md`.
+//! [`Accel`] is the only door to either; the crate's `unsafe` code is nearly all in this module.
+//! Which width and which [`Coherence`] to use for which rays is measured in `docs/embree.md`, which
+//! backend is faster in `docs/backends.md`.
 
 mod accel;
 mod backend;

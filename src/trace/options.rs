@@ -7,12 +7,13 @@ use super::Backend;
 pub struct AccelOptions {
     /// What builds it and traces.
     pub backend: Backend,
-    /// No ray slips through an edge that two triangles share. It costs speed: see `docs/embree.md` and
-    /// `docs/backends.md`.
+    /// No ray slips through an edge that two triangles share. It costs speed: see `docs/embree.md`
+    /// and `docs/backends.md`.
     pub robust: bool,
     /// Threads that build; 1 starts none, 0 leaves the number to the library.
     pub threads: usize,
-    /// Widest packet handed to Embree, 0 for the widest native one: lets tests go each way on any CPU.
+    /// Widest packet handed to Embree, 0 for the widest native one: lets tests go each way on any
+    /// CPU.
     pub(super) width: u32,
     /// Bytes Embree may take, 0 for no limit: lets tests run out of memory.
     pub(super) memory_limit: u64,

@@ -24,8 +24,8 @@ pub const LARGEST: f32 = 1.8e18;
 
 /// `N` rays. Distances are in units of the direction's length, which need not be 1.
 ///
-/// A lane with a component (other than `tfar`) that is beyond 1.8e18 or no number, or with `tfar < tnear`, meets
-/// nothing.
+/// A lane with a component (other than `tfar`) that is beyond 1.8e18 or no number, or with `tfar <
+/// tnear`, meets nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Rays<const N: usize> {

@@ -5,8 +5,9 @@ use glam::{DVec3, Vec2};
 
 /// The pictures on a mesh.
 pub struct Pattern {
-    /// Coordinates that are linear over texture coordinates, as (a, b, c) of a·u + b·v + c: a picture jumps where one is an
-    /// integer. None if all pictures are smooth; those jump at most across seams of the texture coordinates.
+    /// Coordinates that are linear over texture coordinates, as (a, b, c) of a·u + b·v + c: a
+    /// picture jumps where one is an integer. None if all pictures are smooth; those jump at most
+    /// across seams of the texture coordinates.
     pub rulings: Vec<DVec3>,
 }
 

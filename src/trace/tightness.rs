@@ -1,8 +1,9 @@
 //! How tightly boxes fit when vertices move: whether a hierarchy is worth refitting.
 //!
-//! A ray's work in a hierarchy of boxes grows with the sum of their areas over that of the whole. Embree does not show its
-//! boxes; those around runs of triangles in Morton order, of 4, 64 and 1024, stand for them. Refitting keeps the runs
-//! and moves the boxes: the sum's growth is how much looser a refitted hierarchy is than it was.
+//! A ray's work in a hierarchy of boxes grows with the sum of their areas over that of the whole.
+//! Embree does not show its boxes; those around runs of triangles in Morton order, of 4, 64 and
+//! 1024, stand for them. Refitting keeps the runs and moves the boxes: the sum's growth is how much
+//! looser a refitted hierarchy is than it was.
 
 use super::MeshView;
 use glam::Vec3;
@@ -28,7 +29,8 @@ impl Tightness {
         }
     }
 
-    /// The sum now over the sum then, of the loosest of the meshes that `moved`: 1 where boxes fit as they did.
+    /// The sum now over the sum then, of the loosest of the meshes that `moved`: 1 where boxes fit
+    /// as they did.
     pub fn looseness(&self, meshes: &[MeshView], moved: &[bool]) -> f64 {
         let now = self.meshes.iter().zip(meshes).zip(moved);
         now.filter(|(_, moved)| **moved)

@@ -1,4 +1,5 @@
-//! Every adjoint the build derived from `src/kernels/`, against finite differences and forward mode.
+//! Every adjoint the build derived from `src/kernels/`, against finite differences and forward
+//! mode.
 
 use crate::extremes;
 use crate::support::{self, Check};

@@ -1,9 +1,10 @@
-//! Kernels of surfaces at grazing angles and extreme roughness: each derivative alone, against differences and forward
-//! mode.
+//! Kernels of surfaces at grazing angles and extreme roughness: each derivative alone, against
+//! differences and forward mode.
 //!
-//! What a derivative is compared with is scaled by what its argument must change by for the kernel to change: roughness
-//! 0.001 makes lobes that narrow. Differences of fourth order with steps of a thousandth of that have an error of some
-//! 1e-12 by truncation; arguments are rounded, and a half vector of grazing directions amplifies it, which leaves 1e-6.
+//! What a derivative is compared with is scaled by what its argument must change by for the kernel
+//! to change: roughness 0.001 makes lobes that narrow. Differences of fourth order with steps of a
+//! thousandth of that have an error of some 1e-12 by truncation; arguments are rounded, and a half
+//! vector of grazing directions amplifies it, which leaves 1e-6.
 
 use crate::support::Check;
 use glam::{DVec3, dvec3};
@@ -157,7 +158,8 @@ fn dielectrics() -> Vec<Point> {
     points
 }
 
-/// A normal, and about it a direction at cosine `cos` and a half vector some roughness away, on the direction's side.
+/// A normal, and about it a direction at cosine `cos` and a half vector some roughness away, on the
+/// direction's side.
 fn geometry(cos: f64, alpha: f64) -> [DVec3; 3] {
     let n = dvec3(0.48, -0.6, 0.64);
     let (s, t) = n.any_orthonormal_pair();

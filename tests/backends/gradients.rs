@@ -35,8 +35,8 @@ fn gradients_agree_within_error_bars_and_to_rounding_where_hits_do() {
     let (embree, error) = forward(&scene, &on("embree", &scene, 1));
     let (obvhs, _) = forward(&scene, &on("obvhs", &scene, 1));
     let largest = numbers(&embree).map(f64::abs).fold(0.0, f64::max);
-    // Where all hits are the same, so is what follows from them; a number that differs by more than rounding has met
-    // another triangle somewhere.
+    // Where all hits are the same, so is what follows from them; a number that differs by more than
+    // rounding has met another triangle somewhere.
     let pairs = || numbers(&embree).zip(numbers(&obvhs)).zip(numbers(&error));
     let apart = pairs()
         .filter(|((a, b), _)| (a - b).abs() > 1e-5 * largest)

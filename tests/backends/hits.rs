@@ -1,9 +1,9 @@
 //! First hits of both backends on the same rays.
 //!
-//! Two hits agree if they are the same triangle at the same distance, to rounding. If the triangles differ, the
-//! nearer one must pass a test in f64: the ray must go by one of its edges so closely that rounding to f32 may decide
-//! either way, or begin so closely to it, or both triangles must be equally far. Whatever is neither is an error of a
-//! backend.
+//! Two hits agree if they are the same triangle at the same distance, to rounding. If the triangles
+//! differ, the nearer one must pass a test in f64: the ray must go by one of its edges so closely
+//! that rounding to f32 may decide either way, or begin so closely to it, or both triangles must be
+//! equally far. Whatever is neither is an error of a backend.
 
 use super::{backends, build};
 use glam::{DVec3, Vec3};
@@ -24,8 +24,8 @@ const TRIANGLES: usize = if cfg!(feature = "long-tests") {
     20_000
 };
 
-/// What rounding may move a corner by beside a ray: some units in the last place of coordinates up to 2, and of
-/// distances up to 3.
+/// What rounding may move a corner by beside a ray: some units in the last place of coordinates up
+/// to 2, and of distances up to 3.
 const ROUNDING: f64 = 4e-6;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,7 +65,8 @@ impl Mesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// How far the ray goes by the nearest edge of a triangle, and the sine of its angle with the triangle's plane.
+    /// How far the ray goes by the nearest edge of a triangle, and the sine of its angle with the
+    /// triangle's plane.
     fn margin(&self, triangle: u32, origin: DVec3, direction: DVec3) -> (f64, f64) {
         let d = direction.normalize();
         let corners = self.corners(triangle);

@@ -6,7 +6,8 @@ use glam::Vec3;
 use warpath::bench::meshes::{Class, generate};
 use warpath::trace::{Backend, MISS, Rays};
 
-/// Rays from `origin` at vertices, at points of edges, and in any direction: how many of each got out.
+/// Rays from `origin` at vertices, at points of edges, and in any direction: how many of each got
+/// out.
 fn leaks(backend: Backend, positions: &[Vec3], triangles: &[[u32; 3]], origin: Vec3) -> [usize; 3] {
     let accel = build(backend, positions, triangles);
     let mut random = Random::new(9);

@@ -17,7 +17,8 @@ fn distances_reach_from_beyond_tnear_up_to_tfar() {
     for backend in backends() {
         let accel = build(backend, &positions, &triangles);
         let mut rays = Rays::<8>::default();
-        // Embree's distances are rounded by a unit in the last place; obvhs's are exact here, to the very end.
+        // Embree's distances are rounded by a unit in the last place; obvhs's are exact here, to
+        // the very end.
         let off = match backend {
             Backend::Embree(..) => 1e-6,
             Backend::Obvhs(..) => 0.0,

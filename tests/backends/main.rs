@@ -22,7 +22,8 @@ fn backends() -> [Backend; 3] {
     ["embree", "obvhs", "obvhs-bvh2"].map(|name| name.parse().expect("a backend"))
 }
 
-/// First hits of eight rays, both ways of asking, which must give the same; and occlusion, which must agree.
+/// First hits of eight rays, both ways of asking, which must give the same; and occlusion, which
+/// must agree.
 fn ask(accel: &Accel, rays: &Rays<8>) -> Hits<8> {
     let mut hits = [Hits::default(); 2];
     for (hits, coherence) in hits

@@ -27,8 +27,8 @@ pub enum Interior {
     Agrees,
 }
 
-/// Holds `reparam` with `spp` samples to differences with four times as many (of steps of `step`, or the engine's
-/// own).
+/// Holds `reparam` with `spp` samples to differences with four times as many (of steps of `step`,
+/// or the engine's own).
 pub fn check(
     scene: &Scene,
     parts: &[(&str, &[f32])],
@@ -39,7 +39,8 @@ pub fn check(
     check_to(RESOLUTION, scene, parts, spp, step, interior);
 }
 
-/// As [`check`], where differences are so noisy that standard errors up to `resolution` of the gradient must do.
+/// As [`check`], where differences are so noisy that standard errors up to `resolution` of the
+/// gradient must do.
 pub fn check_to(
     resolution: f64,
     scene: &Scene,

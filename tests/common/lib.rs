@@ -25,7 +25,8 @@ impl Progress for Quiet {
     }
 }
 
-/// What the scene says, with `spp` samples and random numbers of `seed`, on one thread, without roulette.
+/// What the scene says, with `spp` samples and random numbers of `seed`, on one thread, without
+/// roulette.
 pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings {
     Settings {
         spp,
@@ -73,8 +74,8 @@ pub fn gradient(scene: &Scene, settings: &Settings, direction: &Direction) -> Ve
     )
 }
 
-/// The gradient image by central differences of two sizes with common random numbers, its error in step² removed.
-/// `step` is along the direction.
+/// The gradient image by central differences of two sizes with common random numbers, its error in
+/// step² removed. `step` is along the direction.
 pub fn differences(
     scene: &Scene,
     settings: &Settings,

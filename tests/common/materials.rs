@@ -19,7 +19,8 @@ pub trait Paint {
     fn checkerboard(self, id: &str) -> Self;
     /// All pictures without a filter: their texels meet in edges.
     fn unfiltered(self) -> Self;
-    /// A mesh with a picture, whose second triangle has its own vertices and shows another place of it.
+    /// A mesh with a picture, whose second triangle has its own vertices and shows another place of
+    /// it.
     fn torn(self, id: &str) -> Self;
     /// An environment map with a small sun, turned.
     fn sunny(self) -> Self;

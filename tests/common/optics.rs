@@ -1,6 +1,8 @@
-//! The formulas of `docs/mitsuba_conventions.md` again, in other words than the kernels', and integrals over directions.
+//! The formulas of `docs/mitsuba_conventions.md` again, in other words than the kernels', and
+//! integrals over directions.
 //!
-//! Directions are unit and in the frame of a surface, z along its normal; `i` and `o` point away from it.
+//! Directions are unit and in the frame of a surface, z along its normal; `i` and `o` point away
+//! from it.
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -94,8 +96,8 @@ pub fn reflecting(i: DVec3, o: DVec3) -> (DVec3, f64) {
     (h, 0.25 / i.dot(h).abs())
 }
 
-/// The normal (above the horizon) that refracts `i` to `o`, and dω_h/dω_o; `ratio` is the index beyond over that on
-/// this side.
+/// The normal (above the horizon) that refracts `i` to `o`, and dω_h/dω_o; `ratio` is the index
+/// beyond over that on this side.
 pub fn refracting(i: DVec3, o: DVec3, ratio: f64) -> Option<(DVec3, f64)> {
     let h = (i + o * ratio).normalize();
     let h = if h.z < 0.0 { -h } else { h };
@@ -110,15 +112,16 @@ pub fn reflect(i: DVec3, h: DVec3) -> DVec3 {
     h * (2.0 * i.dot(h)) - i
 }
 
-/// Where the normal `h` refracts `i` to, if anywhere: by Snell's law along the surface of the microfacet.
+/// Where the normal `h` refracts `i` to, if anywhere: by Snell's law along the surface of the
+/// microfacet.
 pub fn refract(i: DVec3, h: DVec3, ratio: f64) -> Option<DVec3> {
     let along = (h * i.dot(h) - i) / ratio;
     let rest = 1.0 - along.length_squared();
     (rest > 0.0).then(|| along - h * rest.sqrt())
 }
 
-/// Coordinates of the unit square on the whole sphere: even in the direction about `axis` within `spread` (half the tangent
-/// of the angle), so that bins are as narrow as a lobe.
+/// Coordinates of the unit square on the whole sphere: even in the direction about `axis` within
+/// `spread` (half the tangent of the angle), so that bins are as narrow as a lobe.
 #[derive(Clone, Copy)]
 pub struct Cap {
     axis: DVec3,
@@ -186,8 +189,8 @@ pub fn integrals(bins: usize, nodes: usize, f: impl Fn([f64; 2]) -> f64) -> Vec<
     sums
 }
 
-/// Coordinates of the unit square on the hemisphere of normals, in which GGX's own density is bounded to the horizon, with
-/// dω_h/dx dy.
+/// Coordinates of the unit square on the hemisphere of normals, in which GGX's own density is
+/// bounded to the horizon, with dω_h/dx dy.
 pub fn normal_at([x, y]: [f64; 2], alpha: f64) -> (DVec3, f64) {
     let tan = alpha * (x * (2.0 - x)).sqrt() / (1.0 - x);
     let (s, c) = (y * TAU).sin_cos();

@@ -205,8 +205,8 @@ pub fn cuboid(half: Vec3) -> Shape {
     ((0..8).map(corner).collect(), triangles)
 }
 
-/// The shape with its triangles torn apart, and the normal of its triangle at each vertex: as programs write bodies with hard
-/// edges.
+/// The shape with its triangles torn apart, and the normal of its triangle at each vertex: as
+/// programs write bodies with hard edges.
 pub fn torn_apart((positions, triangles): Shape) -> (Shape, Vec<Vec3>) {
     let corners = triangles.iter().flatten();
     let torn: Vec<Vec3> = corners.map(|&v| positions[v as usize]).collect();
@@ -263,7 +263,8 @@ pub fn ball(levels: u32, centre: Vec3, radius: f32) -> Shape {
     icosphere(levels, centre, radius)
 }
 
-/// A ball on which every third vertex stands out, the others being at the second of these parts of the radius.
+/// A ball on which every third vertex stands out, the others being at the second of these parts of
+/// the radius.
 pub fn spiky(centre: Vec3, radius: f32, [long, short]: [f32; 2]) -> Shape {
     let (mut positions, triangles) = ball(2, centre, radius);
     for (i, p) in positions.iter_mut().enumerate() {

@@ -128,7 +128,8 @@ impl Swatch {
         }
     }
 
-    /// Bounces by `points` points of each of `streams` streams: `each(stream, lane of toward, bounce)`.
+    /// Bounces by `points` points of each of `streams` streams: `each(stream, lane of toward,
+    /// bounce)`.
     pub fn bounces(
         &self,
         toward: &[DVec3],
@@ -169,7 +170,8 @@ impl Swatch {
     }
 }
 
-/// The scene with other numbers of the floor's material: slots as `params` names them, such as `alpha`.
+/// The scene with other numbers of the floor's material: slots as `params` names them, such as
+/// `alpha`.
 pub fn with(mut scene: Scene, slots: &[(&str, [f32; 3])]) -> Scene {
     for (slot, value) in slots {
         let key = format!("floor.bsdf.{slot}");

@@ -6,8 +6,8 @@ use warpath::methods::{Image, Method, Objective, Prepared, Settings, Statistics}
 use warpath::scene::parameters::{self, Parameter};
 use warpath::scene::{Scene, SceneDifferential};
 
-/// What single precision may lose, per unit of the terms' magnitudes, at paths of up to this many segments. Along
-/// longer chains grazing rays multiply what has been rounded before.
+/// What single precision may lose, per unit of the terms' magnitudes, at paths of up to this many
+/// segments. Along longer chains grazing rays multiply what has been rounded before.
 pub fn rounding(depth: u32) -> f64 {
     if depth <= 2 { 3e-5 } else { 3e-4 }
 }

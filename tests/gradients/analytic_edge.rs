@@ -30,15 +30,16 @@ fn derivative(of: impl Fn(f64) -> f64) -> f64 {
 
 // A half-plane before the sky, seen by the camera.
 //
-// The pixel's value is I_j = L·∫∫ h_j(u, v) [free] du dv over the film, the half-plane being black. If the edge is
-// the graph u = e(v; θ) and the sky lies right of it, then dI_j/dθ = −L·∫ h_j(e(v), v) ∂e/∂θ dv: an integral along
-// the edge, done here with the midpoint rule on a fine grid.
+// The pixel's value is I_j = L·∫∫ h_j(u, v) [free] du dv over the film, the half-plane being black.
+// If the edge is the graph u = e(v; θ) and the sky lies right of it, then dI_j/dθ = −L·∫ h_j(e(v),
+// v) ∂e/∂θ dv: an integral along the edge, done here with the midpoint rule on a fine grid.
 
 const SKY: f64 = 0.75;
 const EDGE_FILM: u32 = 6;
 const EDGE_FOV_DEG: f64 = 20.0;
 
-/// The half-plane's edge runs through `EDGE_AT` along `EDGE_ALONG`; the plane is z = 0 and the camera above.
+/// The half-plane's edge runs through `EDGE_AT` along `EDGE_ALONG`; the plane is z = 0 and the
+/// camera above.
 const EDGE_AT: DVec3 = dvec3(0.04, 0.0, 0.0);
 const EDGE_ALONG: DVec3 = dvec3(0.35, 1.0, 0.0);
 const EYE: DVec3 = dvec3(0.0, 0.0, 3.0);
@@ -124,8 +125,9 @@ fn check_half_plane(
     let estimates: Vec<Estimate> = (0..truth.len())
         .map(|j| Estimate::mean(&all.iter().map(|run| run[j]).collect::<Vec<_>>()))
         .collect();
-    // What varies in a pixel is how many lattice lines the edge crosses there: an error may be zero by luck, so that
-    // it counts as no less than half of the typical one. The quadrature knows the ends of a box to one step.
+    // What varies in a pixel is how many lattice lines the edge crosses there: an error may be zero
+    // by luck, so that it counts as no less than half of the typical one. The quadrature knows the
+    // ends of a box to one step.
     let on_edge = estimates.iter().zip(&truth).filter(|(_, t)| **t != 0.0);
     let (sum, count) = on_edge.fold((0.0, 0.0), |(s, n), (e, _)| {
         (s + e.error * e.error, n + 1.0)
@@ -188,10 +190,11 @@ fn half_plane_rotated_and_scaled() {
     check_half_plane(TENT, "blocker.rotation", &[0.0, 0.0, 1.0], turned);
 }
 
-// Things thinner than the distance of samples: a wire, and a slit between two plates, a fiftieth of a pixel wide.
+// Things thinner than the distance of samples: a wire, and a slit between two plates, a fiftieth of
+// a pixel wide.
 //
-// With a box filter the sum over all pixels is L times the area of free film, whose derivative is the edge's speed along
-// u times the film's height.
+// With a box filter the sum over all pixels is L times the area of free film, whose derivative is
+// the edge's speed along u times the film's height.
 
 const THIN: f32 = 0.004;
 
@@ -202,7 +205,8 @@ fn strip(width: f32) -> common::shapes::Shape {
     parallelogram(corner, Vec3::X * width, 10.0 * along)
 }
 
-/// The derivative of the image's sum is that of the free area, whose edges move by `speed` along x in all.
+/// The derivative of the image's sum is that of the free area, whose edges move by `speed` along x
+/// in all.
 fn check_thin(scene: Scene, key: &str, values: &[f32], speed: f64) {
     let along = direction(&scene, &[(key, values)]);
     let sums: Vec<f64> = (1..=1500)

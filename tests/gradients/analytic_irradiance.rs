@@ -1,7 +1,8 @@
 //! Gradients of irradiance against closed forms: polygons, half hidden polygons, discs and spheres.
 //!
-//! A camera with a very narrow field of view looks at the origin of a diffuse floor, so that the image is
-//! ρ/π·E(0), up to terms of second order in the picked spot's width (1e-4 here), and E has closed forms.
+//! A camera with a very narrow field of view looks at the origin of a diffuse floor, so that the
+//! image is ρ/π·E(0), up to terms of second order in the picked spot's width (1e-4 here), and E has
+//! closed forms.
 
 use common::scenes::*;
 use common::shapes::Shape;
@@ -62,9 +63,9 @@ fn derivative(of: impl Fn(f64) -> f64) -> f64 {
     (of(-2.0 * h) - 8.0 * of(-h) + 8.0 * of(h) - of(2.0 * h)) / (12.0 * h)
 }
 
-/// Lambert's formula: a polygon of radiance L above the horizon gives a floor at the origin (normal +z) the
-/// irradiance E = L/2·Σ Γ_i·z, where Γ_i has the length of the angle between the directions to two neighbouring
-/// corners and stands on both. Corners run so that E is positive from below.
+/// Lambert's formula: a polygon of radiance L above the horizon gives a floor at the origin (normal
+/// +z) the irradiance E = L/2·Σ Γ_i·z, where Γ_i has the length of the angle between the directions
+/// to two neighbouring corners and stands on both. Corners run so that E is positive from below.
 fn polygon(corners: &[DVec3]) -> f64 {
     let pairs = corners.iter().zip(corners.iter().cycle().skip(1));
     let sum: f64 = pairs
@@ -211,9 +212,9 @@ fn a_polygon_behind_a_half_plane() {
     );
 }
 
-// A disc of radius r at the height h above the spot, parallel to the floor: its form factor is F = r²/(r² + h²). With
-// s = r/r₀ the scale, dF/ds = 2r²h²/(r² + h²)², and dF/dh = −2r²h/(r² + h²)². A regular polygon of n corners has
-// 2π²/3n² less area, 2e-5 for 600: far below what is resolved.
+// A disc of radius r at the height h above the spot, parallel to the floor: its form factor is F =
+// r²/(r² + h²). With s = r/r₀ the scale, dF/ds = 2r²h²/(r² + h²)², and dF/dh = −2r²h/(r² + h²)². A
+// regular polygon of n corners has 2π²/3n² less area, 2e-5 for 600: far below what is resolved.
 
 const RADIUS: f64 = 0.7;
 const HEIGHT: f64 = 0.9;
@@ -249,9 +250,10 @@ fn a_disc_that_shines() {
     assert_is("floor's height", by_floor, -by_height);
 }
 
-// A sphere of radius r at the distance d in a direction of cosine c gives E = πL·c·(r/d)², if all of it stands above the
-// horizon. An inscribed polyhedron of the same corners gives a little less: exactly the sum of Lambert's formula over
-// the triangles that face the spot, which hide nothing of each other as it is convex.
+// A sphere of radius r at the distance d in a direction of cosine c gives E = πL·c·(r/d)², if all
+// of it stands above the horizon. An inscribed polyhedron of the same corners gives a little less:
+// exactly the sum of Lambert's formula over the triangles that face the spot, which hide nothing of
+// each other as it is convex.
 
 fn polyhedron((positions, triangles): &Shape, motion: impl Fn(DVec3) -> DVec3) -> f64 {
     let facing = triangles
@@ -298,7 +300,8 @@ fn a_sphere_that_shines() {
     );
 }
 
-/// The sky gives πL, less what the disc hides. Small discs fall between the points at which a vertex looks at the sky.
+/// The sky gives πL, less what the disc hides. Small discs fall between the points at which a
+/// vertex looks at the sky.
 #[test]
 fn discs_before_the_sky() {
     for (radius, spp) in [(0.7, 1024), (0.35, 1024), (0.0875, 8192)] {

@@ -1,11 +1,13 @@
-//! The shadow of a small disc under a large light, against its closed form: both edges of the shadow lie between the same
-//! two points of many lines, and they move in opposite directions.
+//! The shadow of a small disc under a large light, against its closed form: both edges of the
+//! shadow lie between the same two points of many lines, and they move in opposite directions.
 //!
-//! The camera looks at one point x of a diffuse floor through a film so narrow that the radiance is linear across it; its mean is
-//! ρL/π · E, with E = ∫cosθ dω over the visible part of a light of radiance L. For a polygon with vertices v_i seen
-//! from x that integral is Lambert's: E = ½ Σ γ_i n·m_i, with γ_i the angle between v_i and v_{i+1} and m_i the unit normal of
-//! the plane through both and x. What a blocker hides of a light in a plane is a polygon too. The derivative of E is
-//! taken by central differences in f64, whose error of 1e-9 is nothing beside the gradient's standard error.
+//! The camera looks at one point x of a diffuse floor through a film so narrow that the radiance is
+//! linear across it; its mean is ρL/π · E, with E = ∫cosθ dω over the visible part of a light of
+//! radiance L. For a polygon with vertices v_i seen from x that integral is Lambert's: E = ½ Σ γ_i
+//! n·m_i, with γ_i the angle between v_i and v_{i+1} and m_i the unit normal of the plane through
+//! both and x. What a blocker hides of a light in a plane is a polygon too. The derivative of E is
+//! taken by central differences in f64, whose error of 1e-9 is nothing beside the gradient's
+//! standard error.
 
 use common::scenes::*;
 use common::statistics::Estimate;
@@ -18,7 +20,8 @@ const RHO: f32 = 0.6;
 const LIGHT: f32 = 3.0;
 const RUNS: u64 = 12;
 
-/// ∫cosθ dω over a polygon seen from the origin under the normal +z, counter-clockwise as seen from there.
+/// ∫cosθ dω over a polygon seen from the origin under the normal +z, counter-clockwise as seen from
+/// there.
 fn lambert(polygon: &[DVec3]) -> f64 {
     let edge = |(i, a): (usize, &DVec3)| {
         let b = polygon[(i + 1) % polygon.len()];
@@ -41,7 +44,8 @@ fn floor_point() -> Scene {
     )
 }
 
-/// Holds the gradient along `parts` to ρL/π · `slope`, within four standard errors of at most 2 %; and sees `interior` fail.
+/// Holds the gradient along `parts` to ρL/π · `slope`, within four standard errors of at most 2 %;
+/// and sees `interior` fail.
 fn agrees(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, slope: f64, visibility: bool) {
     let truth = (RHO * LIGHT) as f64 / std::f64::consts::PI * slope;
     let mean = |method: Method| {

@@ -50,8 +50,8 @@ fn by_reflectance(scene: &Scene, settings: &Settings) -> Vec<f64> {
     gradient(scene, settings, &along)
 }
 
-/// A pixel is a polynomial of second degree in the reflectance, with one set of random numbers: three points give its
-/// slope at zero to rounding.
+/// A pixel is a polynomial of second degree in the reflectance, with one set of random numbers:
+/// three points give its slope at zero to rounding.
 #[test]
 fn slopes_at_zero() {
     const STEP: f32 = 0.1;

@@ -1,12 +1,14 @@
 //! Gradient images against finite differences of the plain path tracer, in standard errors.
 //!
-//! Both sides are means of independent runs, so that their errors are measured, not believed. Two numbers must be
-//! zero within four standard errors: the error of the gradient's size, and the excess of χ² over pixels
-//! (`common::statistics::Agreement`). `interior`, which ignores visibility, must fail the same check where anything
-//! that hides something moves: a check that cannot fail proves nothing.
+//! Both sides are means of independent runs, so that their errors are measured, not believed. Two
+//! numbers must be zero within four standard errors: the error of the gradient's size, and the
+//! excess of χ² over pixels (`common::statistics::Agreement`). `interior`, which ignores
+//! visibility, must fail the same check where anything that hides something moves: a check that
+//! cannot fail proves nothing.
 //!
-//! Most scenes use a Gaussian filter: with a box the image has kinks wherever an edge lies along a pixel's border,
-//! and the differences are wrong there (by 5 % in places, at a tenth of a pixel). The box gets a smaller step.
+//! Most scenes use a Gaussian filter: with a box the image has kinks wherever an edge lies along a
+//! pixel's border, and the differences are wrong there (by 5 % in places, at a tenth of a pixel).
+//! The box gets a smaller step.
 
 use common::comparison::Interior::Fails;
 use common::comparison::*;
@@ -56,7 +58,8 @@ fn hard_edges_of_vertex_normals() {
     );
 }
 
-/// A facet among spikes, which throw thin shadows on it beside one another: between two points of a line there are often several.
+/// A facet among spikes, which throw thin shadows on it beside one another: between two points of a
+/// line there are often several.
 #[test]
 fn shadows_beside_one_another() {
     let centre = vec3(0.1, 0.0, 0.4);
@@ -72,7 +75,8 @@ fn shadows_beside_one_another() {
     }
 }
 
-/// The same for a lamp, whose light comes through slats. Some hide the ends of lines on it; what their edges bring nearly cancels.
+/// The same for a lamp, whose light comes through slats. Some hide the ends of lines on it; what
+/// their edges bring nearly cancels.
 #[test]
 fn shadows_of_slats() {
     let mut slats: Shape = (Vec::new(), Vec::new());
@@ -203,8 +207,9 @@ fn smooth_ball() {
     );
 }
 
-/// Light that arrives between the planes of two triangles is seen on one side of their edge only, though shading goes on. Nothing but such
-/// edges moves here against the sky, half of which a wall hides.
+/// Light that arrives between the planes of two triangles is seen on one side of their edge only,
+/// though shading goes on. Nothing but such edges moves here against the sky, half of which a wall
+/// hides.
 #[test]
 fn bends_of_smooth_bodies() {
     let wall = parallelogram(
@@ -270,8 +275,8 @@ fn shapes_that_pass_through_each_other() {
     );
 }
 
-/// Edges of a fine flat-shaded mesh are many in a thousandth of a coarse pixel near its outline; taken as one they
-/// cost 2.7 % of the gradient here.
+/// Edges of a fine flat-shaded mesh are many in a thousandth of a coarse pixel near its outline;
+/// taken as one they cost 2.7 % of the gradient here.
 #[test]
 fn fine_bodies_in_coarse_images() {
     let scene = scene(

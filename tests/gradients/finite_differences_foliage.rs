@@ -25,8 +25,8 @@ fn seen_in_a_reflection() {
     check(&scene, &[MOVED], 512, None, Fails);
 }
 
-/// A slit is found wherever its two rims hide what is behind: no point of a line need lie in it, and nothing must be made of
-/// the chance that one does.
+/// A slit is found wherever its two rims hide what is behind: no point of a line need lie in it,
+/// and nothing must be made of the chance that one does.
 #[test]
 fn lit_through_a_slit() {
     let plate = |x: f32, width: f32| {

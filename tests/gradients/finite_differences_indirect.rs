@@ -70,7 +70,8 @@ fn indirect_light_at_depth_4() {
     );
 }
 
-/// Paths in a closed room have no end of their own where nothing absorbs them wholly, and differences allow no roulette.
+/// Paths in a closed room have no end of their own where nothing absorbs them wholly, and
+/// differences allow no roulette.
 #[test]
 fn endless_paths_of_a_closed_room() {
     let inside = cuboid(Vec3::splat(1.0));

@@ -11,8 +11,9 @@ use warpath::scene::Distribution::{Beckmann, Ggx};
 use warpath::scene::Scene;
 
 const MOVED: (&str, &[f32]) = ("block.translation", &[1.0, 0.2, 0.1]);
-/// Narrow lobes see edges by rays that happen to hit them: differences of the engine's own, tenth-of-a-pixel steps are noise
-/// there. A step this long (world units, radians) leaves an error of its fourth power.
+/// Narrow lobes see edges by rays that happen to hit them: differences of the engine's own,
+/// tenth-of-a-pixel steps are noise there. A step this long (world units, radians) leaves an error
+/// of its fourth power.
 const LONG_STEP: Option<f64> = Some(0.03);
 /// What can be told of them in a minute; `interior` is off by ten times as much.
 const COARSE: f64 = 0.1;
@@ -44,7 +45,8 @@ fn seen_in_a_narrow_reflection() {
     );
 }
 
-/// Some of the lobe's directions lie below the horizon, and the camera sees the plate in the floor alone.
+/// Some of the lobe's directions lie below the horizon, and the camera sees the plate in the floor
+/// alone.
 #[test]
 fn seen_in_a_reflection_at_a_grazing_angle() {
     let plate = parallelogram(vec3(-0.3, 1.9, 1.1), Vec3::X * 0.8, Vec3::Z * 0.7);
@@ -62,7 +64,8 @@ fn seen_in_a_reflection_at_a_grazing_angle() {
     );
 }
 
-/// The same body in white, whose spikes are so thin that what starts beside the edge of one may start on its other side.
+/// The same body in white, whose spikes are so thin that what starts beside the edge of one may
+/// start on its other side.
 #[test]
 fn thin_wedges_seen_in_a_reflection() {
     let body = spiky(vec3(0.1, 1.9, 1.5), 0.5, [1.4, 0.7]);
@@ -74,7 +77,8 @@ fn thin_wedges_seen_in_a_reflection() {
     check(&scene, &[moved], 1024, Some(0.01), Fails);
 }
 
-/// Many facets of a body in one lobe: each edge brings its own jump and no other's, and none of what the radiance changes by beside it.
+/// Many facets of a body in one lobe: each edge brings its own jump and no other's, and none of
+/// what the radiance changes by beside it.
 #[test]
 fn facets_seen_in_a_reflection() {
     let body = ball(3, vec3(0.1, 1.9, 1.5), 0.5);
@@ -87,8 +91,8 @@ fn facets_seen_in_a_reflection() {
     }
 }
 
-/// Spikes of one body before and behind one another: most silhouettes that walks come to lie behind something, and many are
-/// far from the middle of the lobe.
+/// Spikes of one body before and behind one another: most silhouettes that walks come to lie behind
+/// something, and many are far from the middle of the lobe.
 #[test]
 fn spikes_seen_in_a_reflection() {
     let body = spiky(vec3(0.1, 1.9, 1.5), 0.5, [1.4, 0.4]);
@@ -101,8 +105,8 @@ fn spikes_seen_in_a_reflection() {
     check_to(0.01, &scene, &[moved], 1024, Some(0.03), Fails);
 }
 
-/// Lines of a coarse ball with shading normals cross the planes of its triangles, below which they see its inside: no contradiction that
-/// a silhouette would have to explain.
+/// Lines of a coarse ball with shading normals cross the planes of its triangles, below which they
+/// see its inside: no contradiction that a silhouette would have to explain.
 #[test]
 fn planes_of_triangles_are_no_riddles() {
     let body = ball(1, vec3(0.1, 0.0, 0.45), 0.4);
@@ -121,9 +125,10 @@ fn planes_of_triangles_are_no_riddles() {
     assert!(unresolved * 1000 < found, "{unresolved} of {found}");
 }
 
-/// Above the plane of a triangle near the corner of a coarse ball is the sky, below it the inside of the ball, and its shading normals
-/// put the plane in the middle of the lobe. Inside, edges between triangles are borders too: light that leaks out is on one side.
-/// The camera sees nothing but that triangle.
+/// Above the plane of a triangle near the corner of a coarse ball is the sky, below it the inside
+/// of the ball, and its shading normals put the plane in the middle of the lobe. Inside, edges
+/// between triangles are borders too: light that leaks out is on one side. The camera sees nothing
+/// but that triangle.
 #[test]
 fn planes_of_triangles_are_borders() {
     let (positions, triangles) = ball(0, Vec3::ZERO, 1.0);

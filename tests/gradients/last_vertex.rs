@@ -13,7 +13,8 @@ use warpath::scene::Scene;
 const SIGMAS: f64 = 4.0;
 const RUNS: u64 = 32;
 
-/// A plane in which a lamp is reflected: the lamp is black, so that longer paths bring nothing more.
+/// A plane in which a lamp is reflected: the lamp is black, so that longer paths bring nothing
+/// more.
 fn plane(depth: u32) -> Scene {
     scene(vec3(0.0, -3.0, 1.5), Vec3::ZERO, 30.0, [6, 6], BOX)
         .depth(depth)

@@ -19,7 +19,8 @@ const SPP: u32 = 16;
 /// Rays that only look for silhouettes.
 const SEARCHING: [&str; 4] = ["light_cell", "bounce_cell", "sky_cell", "probe"];
 
-/// A block over a floor, and one behind the camera that nothing sees and that throws no shadow anywhere.
+/// A block over a floor, and one behind the camera that nothing sees and that throws no shadow
+/// anywhere.
 fn room(depth: u32) -> Scene {
     let block = |to| placed(cuboid(vec3(0.35, 0.2, 0.12)), vec3(12.0, 25.0, 33.0), to);
     let wall = parallelogram(
@@ -239,8 +240,8 @@ fn rays_are_those_that_the_scene_asks_for() {
     assert_eq!(kinds, ["camera"], "rays at depth 1: {seen:?}");
 }
 
-/// Silhouettes are looked for where one that moves may be found: that changes the rays that are traced, and no gradient. Here
-/// everything counts as moving that a camera at rest sees.
+/// Silhouettes are looked for where one that moves may be found: that changes the rays that are
+/// traced, and no gradient. Here everything counts as moving that a camera at rest sees.
 #[test]
 fn what_rests_is_left_out_and_nothing_else() {
     let small = |scene: Scene| {

@@ -1,4 +1,5 @@
-//! What would be silently wrong is refused, in a sentence that names what it is about; what is no trouble is not.
+//! What would be silently wrong is refused, in a sentence that names what it is about; what is no
+//! trouble is not.
 
 use common::materials::Paint;
 use common::scenes::*;

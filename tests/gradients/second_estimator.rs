@@ -1,7 +1,7 @@
 //! A second estimator of boundary terms, through the seam that the first one stands behind.
 //!
-//! It samples the borders of meshes that the camera sees before an environment that is equally bright everywhere, and knows
-//! no cells: what it finds must agree with what they find.
+//! It samples the borders of meshes that the camera sees before an environment that is equally
+//! bright everywhere, and knows no cells: what it finds must agree with what they find.
 
 use common::scenes::*;
 use common::{Quiet, direction, flat, gradient, settings};

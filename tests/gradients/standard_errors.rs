@@ -1,7 +1,8 @@
 //! Stated standard errors are the spread of repeated runs.
 //!
-//! Squares are compared, summed over all numbers of a result: E[s²] of the stated errors is the variance that the
-//! runs show. The ratio's own sampling error comes from splitting the runs into batches.
+//! Squares are compared, summed over all numbers of a result: E[s²] of the stated errors is the
+//! variance that the runs show. The ratio's own sampling error comes from splitting the runs into
+//! batches.
 
 use common::scenes::*;
 use common::statistics::Estimate;

@@ -1,7 +1,9 @@
-//! Forward and reverse mode are transposes of one matrix: ⟨J·v, w⟩ = ⟨v, Jᵀ·w⟩, from the same random numbers.
+//! Forward and reverse mode are transposes of one matrix: ⟨J·v, w⟩ = ⟨v, Jᵀ·w⟩, from the same
+//! random numbers.
 //!
-//! Both sides sum the same products in single precision and in different order, so they differ by rounding: by
-//! far less than the sum of all magnitudes. A term that one of them lacks shows at once.
+//! Both sides sum the same products in single precision and in different order, so they differ by
+//! rounding: by far less than the sum of all magnitudes. A term that one of them lacks shows at
+//! once.
 
 use common::scenes::*;
 use common::shapes::Random;
@@ -17,8 +19,8 @@ use warpath::scene::{Filter, Scene};
 /// A black lamp out of sight: its own colour does not matter.
 const IDLE: &[&str] = &["lamp.bsdf.brdf_0.reflectance.value"];
 
-/// A bit of everything: flat, smooth (normals of both kinds), concave and intersecting meshes, a paired and an
-/// unpaired light, an environment.
+/// A bit of everything: flat, smooth (normals of both kinds), concave and intersecting meshes, a
+/// paired and an unpaired light, an environment.
 fn everything(filter: Filter, depth: u32) -> Scene {
     let tilted = ball(1, Vec3::ZERO, 0.35);
     let normals = tilted.0.iter().map(|p| p.normalize()).collect();
@@ -95,7 +97,8 @@ fn interior_depth_4() {
     transposed(&everything(BOX, 4), Method::Interior, IDLE);
 }
 
-/// One reverse pass for all vertices of all meshes, and forward mode along ten directions of theirs.
+/// One reverse pass for all vertices of all meshes, and forward mode along ten directions of
+/// theirs.
 #[test]
 fn one_pass_for_all_vertices() {
     let scene = everything(GAUSSIAN, 3);

@@ -1,4 +1,5 @@
-//! As `transposition`, at the ends of what materials and lights may be given: every material under every kind of light.
+//! As `transposition`, at the ends of what materials and lights may be given: every material under
+//! every kind of light.
 
 use common::Direction;
 use common::materials::Paint;

@@ -8,7 +8,8 @@ use warpath::methods::Method;
 use warpath::scene::Distribution::{Beckmann, Ggx};
 use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
 
-/// A black lamp out of sight, whose own colour does not matter, and the colours that have been painted over.
+/// A black lamp out of sight, whose own colour does not matter, and the colours that have been
+/// painted over.
 const IDLE: &[&str] = &[
     "lamp.bsdf.brdf_0.reflectance.value",
     "floor.bsdf.brdf_0.reflectance.value",
@@ -19,7 +20,8 @@ const IDLE: &[&str] = &[
     "plastic.bsdf.brdf_0.reflectance.value",
 ];
 
-/// Narrow and wide metal, rough glass, plastic (smooth if none is given), pictures, the sun and a lamp.
+/// Narrow and wide metal, rough glass, plastic (smooth if none is given), pictures, the sun and a
+/// lamp.
 fn materials(depth: u32, plastic_alpha: Option<f32>) -> Scene {
     let block = |at: Vec3| placed(cuboid(Vec3::splat(0.25)), vec3(10.0, 20.0, 30.0), at);
     scene(

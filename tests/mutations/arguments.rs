@@ -122,7 +122,8 @@ pub fn talk(out: &mut Vec<String>, random: &mut Random) {
     }
 }
 
-/// A key to differentiate by; one that moves nothing, if there is one, where motion would be refused.
+/// A key to differentiate by; one that moves nothing, if there is one, where motion would be
+/// refused.
 pub fn key<'a>(
     parameters: &'a [Parameter],
     refuses_motion: bool,

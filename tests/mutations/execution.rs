@@ -54,7 +54,8 @@ pub fn execute(case: &Case, place: &Path) -> Outcome {
     }
 }
 
-/// Damages a file about the run that a run has written, or a part of a job's samples: nobody reads the others again.
+/// Damages a file about the run that a run has written, or a part of a job's samples: nobody reads
+/// the others again.
 fn damage(directory: &Path, case: &Case, mut random: Random) {
     let mut files = Vec::new();
     collect(directory, &mut files);

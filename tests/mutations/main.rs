@@ -1,9 +1,10 @@
-//! The whole program on scenes, meshes, pictures, arrays and jobs that were changed at random: whatever it is given, it
-//! ends with a code that is documented and a message, or with results that are whole and finite.
+//! The whole program on scenes, meshes, pictures, arrays and jobs that were changed at random:
+//! whatever it is given, it ends with a code that is documented and a message, or with results that
+//! are whole and finite.
 //!
-//! A case is drawn from a seed and its number alone. `WARPATH_MUTATIONS` is how many executions there are,
-//! `WARPATH_MUTATION_SEED` another seed. What fails is shrunk, by leaving out mutations that do not matter, and kept in a
-//! folder with the commands in `cmd`.
+//! A case is drawn from a seed and its number alone. `WARPATH_MUTATIONS` is how many executions
+//! there are, `WARPATH_MUTATION_SEED` another seed. What fails is shrunk, by leaving out mutations
+//! that do not matter, and kept in a folder with the commands in `cmd`.
 //!
 //! Alone in its process: it keeps two processors busy, and tests beside it measure time.
 
@@ -95,7 +96,8 @@ fn promises_hold_whatever_is_given() {
     );
 }
 
-/// Cases in their order, until there are enough: which there are does not depend on how fast they run.
+/// Cases in their order, until there are enough: which there are does not depend on how fast they
+/// run.
 #[derive(Default)]
 struct Cases {
     drawn: u64,

@@ -8,7 +8,8 @@ use std::path::Path;
 const CODES: [i32; 7] = [0, 1, 2, 3, 4, 5, 6];
 /// Scenes, images and arrays here are small.
 const MOST_BYTES: u64 = 400 << 20;
-/// What a batch may hold beside what `--memory` counts: the program itself, and what the allocator keeps.
+/// What a batch may hold beside what `--memory` counts: the program itself, and what the allocator
+/// keeps.
 const SLACK_BYTES: u64 = 64 << 20;
 const MOST_LINES: usize = 12;
 const MOST_MESSAGE_BYTES: usize = 8000;
@@ -29,8 +30,8 @@ impl Violation {
     }
 }
 
-/// The first promise that a run did not keep. Where it went on with files that were `damaged` since they were written
-/// it need not know.
+/// The first promise that a run did not keep. Where it went on with files that were `damaged` since
+/// they were written it need not know.
 pub fn broken(
     directory: &Path,
     arguments: &[String],

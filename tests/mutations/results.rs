@@ -9,7 +9,8 @@ use std::path::Path;
 use warpath::output::npy;
 use warpath::output::picture::PictureFile;
 
-/// Fields that may be null: there is no limit, no method, nothing to tell, nothing to be relative to.
+/// Fields that may be null: there is no limit, no method, nothing to tell, nothing to be relative
+/// to.
 const NULLABLE: [&str; 9] = [
     "relative_bias",
     "relative_bias_se",

@@ -1,6 +1,8 @@
-//! OpenImageIO reads what the built-in readers read to the same values, and the formats they do not know.
+//! OpenImageIO reads what the built-in readers read to the same values, and the formats they do not
+//! know.
 //!
-//! Files that nothing else here writes are made by `oiiotool` and `maketx` (Debian: openimageio-tools).
+//! Files that nothing else here writes are made by `oiiotool` and `maketx` (Debian:
+//! openimageio-tools).
 
 use common::picture_files::*;
 use std::ffi::OsStr;
@@ -49,7 +51,8 @@ impl Files {
         self.folder.path().join(name)
     }
 
-    /// Makes the file `name` by a program of openimageio-tools; `arguments` may name files of this folder.
+    /// Makes the file `name` by a program of openimageio-tools; `arguments` may name files of this
+    /// folder.
     fn make(&self, program: &str, arguments: &[&str], name: &str) -> PathBuf {
         let _ = std::fs::remove_file(self.path(name));
         let output = Command::new(program)

@@ -112,8 +112,8 @@ pub fn assert_same_files(a: &Path, b: &Path) {
     assert!(differ.is_empty(), "{differ:?} differ");
 }
 
-/// Kills a batch of `count` jobs at a random instant and resumes it, `kills` times over; what is left is what an
-/// uninterrupted batch leaves.
+/// Kills a batch of `count` jobs at a random instant and resumes it, `kills` times over; what is
+/// left is what an uninterrupted batch leaves.
 pub fn survive_kills(directory: &Path, count: usize, kills: u32) {
     write(directory, "jobs.jsonl", &of_all_kinds(count));
     let begun = Instant::now();

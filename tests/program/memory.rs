@@ -1,4 +1,5 @@
-//! Peak memory of the real program: bounded for a big mesh, and the same however many samples are taken.
+//! Peak memory of the real program: bounded for a big mesh, and the same however many samples are
+//! taken.
 
 use std::path::Path;
 use std::process::Command;
@@ -75,7 +76,8 @@ fn write_target(directory: &Path) {
     std::fs::write(directory.join("target.npy"), bytes).expect("a target");
 }
 
-/// What the system counts differs by some pages from run to run; sixteen times the samples would be far more.
+/// What the system counts differs by some pages from run to run; sixteen times the samples would be
+/// far more.
 const SLACK: f64 = 1.25;
 
 /// Holds both kinds of gradients to the limit, and to each other for the numbers of samples given.

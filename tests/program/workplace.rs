@@ -40,7 +40,8 @@ pub fn typed(line: &str) -> Vec<&str> {
     line.split_whitespace().collect()
 }
 
-/// Sends a signal (TERM, INT) to a process. Every shell can; a program of that name is not everywhere.
+/// Sends a signal (TERM, INT) to a process. Every shell can; a program of that name is not
+/// everywhere.
 pub fn signal(process: u32, name: &str) {
     let line = format!("kill -{name} {process}");
     let sent = Command::new("sh").args(["-c", &line]).status();
@@ -51,7 +52,8 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Intervals every line and compares its exit code and a part of its message; reports all that fail.
+/// Intervals every line and compares its exit code and a part of its message; reports all that
+/// fail.
 pub fn expect(directory: &Path, table: &[(&str, i32, &str)]) {
     let mut wrong = Vec::new();
     for (line, code, part) in table {

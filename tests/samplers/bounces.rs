@@ -13,7 +13,8 @@ const BINS: usize = 20;
 /// Each takes a stream.
 const BOUNCES: u32 = 1 << 16;
 
-/// One lobe: bins about its main direction, its density over solid angle, and whose bounces it counts.
+/// One lobe: bins about its main direction, its density over solid angle, and whose bounces it
+/// counts.
 struct Lobe<'a> {
     cap: Cap,
     density: Box<dyn Fn(DVec3) -> f64 + 'a>,
@@ -98,7 +99,8 @@ fn bounces_off_metal() {
     }
 }
 
-/// The chance of the specular lobe: as `paths::surface::lobe_sample` documents it, by the means of plain colours.
+/// The chance of the specular lobe: as `paths::surface::lobe_sample` documents it, by the means of
+/// plain colours.
 fn specular_chance(i: DVec3) -> f64 {
     let reflected = dielectric(i.z, 1.5);
     let (specular, diffuse) = (0.9 * reflected, (0.6 + 0.3 + 0.2) / 3.0 * (1.0 - reflected));

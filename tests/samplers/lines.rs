@@ -1,4 +1,5 @@
-//! Lines on which silhouettes are looked for: how they lie, and how often their points fall between two angles.
+//! Lines on which silhouettes are looked for: how they lie, and how often their points fall between
+//! two angles.
 
 use super::*;
 use common::materials::Paint;
@@ -20,7 +21,8 @@ fn inverse_density(line: &Line, poles: [DVec3; 2], axis: usize) -> f64 {
     weight / line_weight(poles, axis, c, d).expect("a crossing")
 }
 
-/// Counts how often a point of lines, their two ends apart, falls between two angles, against the chance they tell.
+/// Counts how often a point of lines, their two ends apart, falls between two angles, against the
+/// chance they tell.
 struct Run {
     ends: [f64; 2],
     chance: f64,
@@ -114,8 +116,8 @@ fn lines_of_diffuse_light() {
     }
 }
 
-/// Lines of narrow lobes turn with the number that draws them as their density says, their points are met as often, and
-/// none lies below the horizon.
+/// Lines of narrow lobes turn with the number that draws them as their density says, their points
+/// are met as often, and none lies below the horizon.
 #[test]
 fn lines_of_narrow_lobes() {
     let metal = || bare().metal("floor", 0.1, Ggx);

@@ -1,7 +1,8 @@
 //! Samples have the distributions their densities claim: χ² tests with fixed seeds.
 //!
-//! All tests together reject a right sampler with probability 0.01; each gets its share by Šidák's formula. Points of
-//! one stream are stratified, which χ² would call too good: every point here comes from a stream of its own.
+//! All tests together reject a right sampler with probability 0.01; each gets its share by Šidák's
+//! formula. Points of one stream are stratified, which χ² would call too good: every point here
+//! comes from a stream of its own.
 
 mod bounces;
 mod lights;
@@ -21,7 +22,8 @@ const TESTS: i32 = 95;
 const SAMPLES: usize = 1 << 17;
 /// Bins that expect fewer are put together.
 const LEAST_EXPECTED: f64 = 10.0;
-/// What integrals of densities over bins may lack. In a bin of a thousand it is a sixth of the noise.
+/// What integrals of densities over bins may lack. In a bin of a thousand it is a sixth of the
+/// noise.
 const MOST_BY_QUADRATURE: f64 = 5e-3;
 
 /// Panics if counts are too far from what was expected.
@@ -60,7 +62,8 @@ fn uniform(what: &str, counts: &[usize]) {
     chi_squared(what, counts, &vec![share; counts.len()]);
 }
 
-/// A share of all samples expected in each bin: densities integrated, so their sum must be 1 as well.
+/// A share of all samples expected in each bin: densities integrated, so their sum must be 1 as
+/// well.
 fn expect_shares(what: &str, counts: &[usize], shares: &[f64]) {
     let sum: f64 = shares.iter().sum();
     assert!(

@@ -32,8 +32,8 @@ fn visible_normals_have_their_density() {
     }
 }
 
-/// The density is that of the formulas, and the weight turns it into Beckmann's, which is normalised as well as its
-/// rational fit of G₁ lets it be.
+/// The density is that of the formulas, and the weight turns it into Beckmann's, which is
+/// normalised as well as its rational fit of G₁ lets it be.
 #[test]
 fn densities_and_weights_are_those_of_the_formulas() {
     for alpha in [1e-3, 0.01, 0.3, 1.0] {
@@ -43,7 +43,8 @@ fn densities_and_weights_are_those_of_the_formulas() {
                 let at = [(place / 20) as f64 + 0.5, (place % 20) as f64 + 0.5].map(|x| x / 20.0);
                 let (h, _) = normal_at(at, alpha);
                 let (density, wanted) = (pdf_normal(i, h, alpha), visible(i, h, alpha, Ggx));
-                // 1 − z² leaves the formulas this many digits, and the kernels' sin² is 1e-8 at least.
+                // 1 − z² leaves the formulas this many digits, and the kernels' sin² is 1e-8 at
+                // least.
                 let rounding = 1e-13 / (alpha * alpha) + 5e-9;
                 assert!(
                     (density - wanted).abs() <= rounding * wanted,

@@ -65,7 +65,8 @@ fn directions_have_their_density() {
             let at = place(&map, d.as_dvec3());
             let [x, y] = at.map(|x| x.min(1.0 - 1e-7) as f32);
             counts[bin(x, columns) * rows + bin(y, rows)] += 1;
-            // Single precision may take the direction to the next cell, and knows no distance from the poles near them.
+            // Single precision may take the direction to the next cell, and knows no distance from
+            // the poles near them.
             let is_inside = [at[0] * columns as f64, at[1] * rows as f64]
                 .iter()
                 .all(|x| (x - x.round()).abs() > 1e-3)
@@ -96,7 +97,8 @@ fn meridians_have_their_density() {
     for (name, texture) in maps() {
         let sky = MapDistribution::new(&texture, &map, &|| false).unwrap();
         for axis in 0..2 {
-            // The pole and the longitude's zero in the map, as `paths::environment::distribution` has them.
+            // The pole and the longitude's zero in the map, as `paths::environment::distribution`
+            // has them.
             let [pole, zero, quarter] = [
                 [DVec3::Y, DVec3::NEG_Z, DVec3::X],
                 [DVec3::X, DVec3::Y, DVec3::Z],

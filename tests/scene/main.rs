@@ -1,4 +1,5 @@
-//! Scenes as they are read: what is in them, what is refused, and that they look as they do elsewhere.
+//! Scenes as they are read: what is in them, what is refused, and that they look as they do
+//! elsewhere.
 
 mod bad_input;
 mod loading;

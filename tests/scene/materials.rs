@@ -1,5 +1,5 @@
-//! The same file renders to the same image as in Mitsuba 3: block means of every scene in `scenes/materials` against those
-//! in `tests/scene/mitsuba`, with the standard errors of both.
+//! The same file renders to the same image as in Mitsuba 3: block means of every scene in
+//! `scenes/materials` against those in `tests/scene/mitsuba`, with the standard errors of both.
 
 use common::{Quiet, settings};
 use std::path::Path;
@@ -10,7 +10,8 @@ use warpath::scene::load;
 const BLOCKS: usize = 4;
 const SEEDS: u64 = 16;
 const SPP: u32 = 64;
-/// Of the worst of a scene's 48 numbers, and of the mean of their squares (which is 1 if all errors are right).
+/// Of the worst of a scene's 48 numbers, and of the mean of their squares (which is 1 if all errors
+/// are right).
 const WORST: f64 = 5.0;
 const MEAN_SQUARE: f64 = 2.0;
 /// Where every sample is the same, single precision is left.

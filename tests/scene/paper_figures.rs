@@ -1,4 +1,5 @@
-//! The scenes of the paper's figures are whole: files that they name are there, and what is to move is in them.
+//! The scenes of the paper's figures are whole: files that they name are there, and what is to move
+//! is in them.
 
 use serde_json::Value;
 use std::collections::BTreeSet;

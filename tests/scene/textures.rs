@@ -1,7 +1,8 @@
-//! Pictures and environment maps at a point: values against brute force, slopes against finite differences.
+//! Pictures and environment maps at a point: values against brute force, slopes against finite
+//! differences.
 //!
-//! Lookups are in single precision, and linear between texels in u and in v: differences within a cell have no error but
-//! rounding.
+//! Lookups are in single precision, and linear between texels in u and in v: differences within a
+//! cell have no error but rounding.
 
 use common::shapes::Random;
 use glam::{Affine2, EulerRot, Mat3, Vec2, Vec3, vec2};
@@ -14,7 +15,8 @@ const HEIGHT: u32 = 4;
 const POINTS: usize = 2000;
 /// A hundredth of a texel.
 const STEP: f32 = 0.002;
-/// Coordinates of size 4 are rounded by some 3e-7, a step's hundredth of a percent; slopes are up to 10.
+/// Coordinates of size 4 are rounded by some 3e-7, a step's hundredth of a percent; slopes are up
+/// to 10.
 const ROUNDING: f32 = 1e-2;
 
 fn picture(wrap: Wrap, bilinear: bool, to_uv: Affine2) -> Texture {
@@ -223,7 +225,8 @@ fn sky() -> (Texture, EnvironmentMap) {
     (texture, map)
 }
 
-/// u and v as the conventions have them, in texels: columns have their centres at ½, rows at 0 and the last.
+/// u and v as the conventions have them, in texels: columns have their centres at ½, rows at 0 and
+/// the last.
 fn place_on_sky(map: &EnvironmentMap, d: Vec3) -> [f64; 2] {
     let d = (map.to_world.as_dmat3().transpose() * d.as_dvec3()).normalize();
     let u = d.x.atan2(-d.z) / std::f64::consts::TAU;

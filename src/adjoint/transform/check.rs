@@ -14,8 +14,8 @@ const DEFAULT_RANGE: (f64, f64) = (0.2, 1.5);
 /// Source of `pub fn checks() -> Vec<Check>`, with an entry for each kernel that has an adjoint.
 ///
 /// Numbers are drawn from 0.2..1.5, components of vectors with a random sign as well. A doc line of
-/// the kernel can say otherwise: `/// inputs: 0.1..0.9` for all, `/// inputs: alpha 0.1..1, w -1..1`
-/// for some arguments.
+/// the kernel can say otherwise: `/// inputs: 0.1..0.9` for all, `/// inputs: alpha 0.1..1, w
+/// -1..1` for some arguments.
 pub fn check_source(library: &Library) -> Result<String, Error> {
     let mut functions = TokenStream::new();
     let mut entries = Vec::new();

@@ -39,7 +39,8 @@ impl Gathered {
         }
     }
 
-    /// Adds a cotangent of the whole. Only numbers and vectors can be summed: others come apart here.
+    /// Adds a cotangent of the whole. Only numbers and vectors can be summed: others come apart
+    /// here.
     pub fn add(&mut self, kind: &Kind, term: Term) {
         match kind {
             Kind::Real | Kind::Vec3 => self.whole.push(term),

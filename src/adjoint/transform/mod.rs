@@ -4,21 +4,21 @@
 //! and [`check_source`] the table by which tests compare each adjoint with finite differences and
 //! forward mode. All three are pure functions of text.
 //!
-//! A kernel `pub fn foo<F: Real>(a: V3<F>, b: F, m: F::Mask) -> R` gets
-//! `pub fn foo_adjoint<F: Real>(a: V3<F>, b: F, m: F::Mask, out_bar: R) -> (V3<F>, F)`: one cotangent
-//! for each argument that can have one, in order (the plain value where there is only one). The
-//! generated body recomputes what it needs of the kernel and then walks it backwards.
+//! A kernel `pub fn foo<F: Real>(a: V3<F>, b: F, m: F::Mask) -> R` gets `pub fn foo_adjoint<F:
+//! Real>(a: V3<F>, b: F, m: F::Mask, out_bar: R) -> (V3<F>, F)`: one cotangent for each argument
+//! that can have one, in order (the plain value where there is only one). The generated body
+//! recomputes what it needs of the kernel and then walks it backwards.
 //!
 //! # The subset
 //!
 //! A kernel file holds `use`, `const`, `pub struct`, `pub fn` and items under `#[cfg(test)]`.
 //!
-//! - Types: `F`, `V3<F>`, `F::Mask`, `f64` (arguments only), tuples, fixed arrays (`[V3<F>; 3]`), and
-//!   structs of these with public named fields and the one parameter `F`. Arguments of type `F::Mask`
-//!   and `f64` are passive: they have no cotangent. A mask inside a result keeps its place in
-//!   `out_bar`, where it is ignored.
-//! - Statements: `let` with a name, `_`, or a tuple of these, with or without a type; then the result
-//!   as the final expression. Shadowing is fine.
+//! - Types: `F`, `V3<F>`, `F::Mask`, `f64` (arguments only), tuples, fixed arrays (`[V3<F>; 3]`),
+//!   and structs of these with public named fields and the one parameter `F`. Arguments of type
+//!   `F::Mask` and `f64` are passive: they have no cotangent. A mask inside a result keeps its
+//!   place in `out_bar`, where it is ignored.
+//! - Statements: `let` with a name, `_`, or a tuple of these, with or without a type; then the
+//!   result as the final expression. Shadowing is fine.
 //! - Numbers: `+ - * /` and unary `-` on `F`; `+`, `-`, unary `-` on `V3<F>`, and `V3 * F`; the
 //!   methods of `Real` and `V3`; `F::splat`, `V3::splat` of an `f64` expression made of literals,
 //!   constants and `f64` arguments; `V3::new`; `.x .y .z`, `.0`, fields and `[0]`; tuples, arrays

@@ -119,8 +119,8 @@ impl Program {
         }
     }
 
-    /// Names what the source left unnamed, once the whole source is read. Constants and parts of other
-    /// values stay without: they are written out.
+    /// Names what the source left unnamed, once the whole source is read. Constants and parts of
+    /// other values stay without: they are written out.
     pub fn name_temporaries(&mut self) {
         let mut count = 0;
         for id in 0..self.values.len() {

@@ -1,7 +1,7 @@
 //! The reverse sweep: from the cotangent of the result to those of the arguments.
 //!
-//! Each value gathers terms from every later use before its own turn comes, so a cotangent is one sum,
-//! bound once, and a value nobody differentiates costs nothing.
+//! Each value gathers terms from every later use before its own turn comes, so a cotangent is one
+//! sum, bound once, and a value nobody differentiates costs nothing.
 
 use super::gathered::{Gathered, Term, atom, minus, term};
 use super::kind::{Kind, ident};

@@ -70,7 +70,8 @@ impl JobFile {
     }
 }
 
-/// Takes the first job of each scene before the last ones of the scene before it: while it loads, they are run.
+/// Takes the first job of each scene before the last ones of the scene before it: while it loads,
+/// they are run.
 fn in_time(lines: Vec<(usize, Line)>) -> VecDeque<Line> {
     let mut scenes: Vec<VecDeque<Line>> = Vec::new();
     for (place, line) in lines {

@@ -57,7 +57,8 @@ impl Register {
         }
     }
 
-    /// Looks at a line: who it is, and whether it is to be run. An error if the earlier run's job of this id is another.
+    /// Looks at a line: who it is, and whether it is to be run. An error if the earlier run's job
+    /// of this id is another.
     pub fn enter(&mut self, number: usize, text: &str) -> Result<Entry, Failure> {
         let text = text.trim();
         let hash = hash(text);

@@ -9,7 +9,8 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShardChoice {
     Given(Shard),
-    /// By what Slurm, Open MPI, PMI or Kubernetes say; the count of a Kubernetes job has to be given.
+    /// By what Slurm, Open MPI, PMI or Kubernetes say; the count of a Kubernetes job has to be
+    /// given.
     Auto(Option<u32>),
 }
 
@@ -46,7 +47,8 @@ struct Convention {
     first: Option<&'static str>,
 }
 
-/// The most particular first: a step of an array task has both of Slurm's, and Open MPI's beside them.
+/// The most particular first: a step of an array task has both of Slurm's, and Open MPI's beside
+/// them.
 const CONVENTIONS: [Convention; 5] = [
     Convention {
         name: "Open MPI",

@@ -68,7 +68,8 @@ impl Stream {
 
     fn enter(&mut self, text: &str) -> Entry {
         let number = self.number;
-        // Another job of an id that is done ends a batch of a file; here it is an answer like others.
+        // Another job of an id that is done ends a batch of a file; here it is an answer like
+        // others.
         self.register.enter(number, text).unwrap_or_else(|failure| {
             Entry::Run(Line {
                 number,

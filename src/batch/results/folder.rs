@@ -15,8 +15,8 @@ const UNFINISHED: &str = ".unfinished";
 /// The batch's own files, which are written under temporary names too, and the probe of its folder.
 const OWN_FILES: [&str; 4] = [RESULTS, MANIFEST, REPORT, "probe"];
 
-/// Writes the files into `directory/id`, and returns their paths from `directory` by their keys once they would
-/// survive a power cut.
+/// Writes the files into `directory/id`, and returns their paths from `directory` by their keys
+/// once they would survive a power cut.
 pub fn write(
     directory: &Path,
     id: &str,

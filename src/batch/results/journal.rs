@@ -113,7 +113,8 @@ impl Journal {
                 Ok(())
             }
             Err(error) => {
-                // Half a line would be dropped on resuming all the same; the error of the write is the one to tell.
+                // Half a line would be dropped on resuming all the same; the error of the write is
+                // the one to tell.
                 let _ = self.file.set_len(self.length);
                 let what = format!("cannot be written: {}", plain(&error));
                 Err(FileError::io(&self.path, what).into())

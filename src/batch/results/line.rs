@@ -14,7 +14,8 @@ pub struct ResultLine {
     /// None if the line had no id that could be read; it is written down all the same.
     #[serde(deserialize_with = "Option::deserialize")]
     pub id: Option<String>,
-    /// The line of the job in its file, or how many came before it on standard input, counted from 1.
+    /// The line of the job in its file, or how many came before it on standard input, counted from
+    /// 1.
     pub line: usize,
     /// A hash of the job's line: `--resume` and `merge` know by it that a job is the same.
     pub job: String,
@@ -27,10 +28,12 @@ pub struct ResultLine {
     /// A hash of everything that was read of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene_hash: Option<String>,
-    /// Of a job that moves vertices: whether the acceleration structure was built anew, and not refitted.
+    /// Of a job that moves vertices: whether the acceleration structure was built anew, and not
+    /// refitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rebuilt: Option<bool>,
-    /// Wall-clock seconds by stage, while other jobs ran beside this one; `total` from admission to the files.
+    /// Wall-clock seconds by stage, while other jobs ran beside this one; `total` from admission to
+    /// the files.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub seconds: BTreeMap<String, f64>,
     /// What the threads spent tracing and differentiating, added up over threads.

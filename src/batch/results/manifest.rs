@@ -23,7 +23,8 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Writes it; a batch that is resumed must be the same shard as before. Jobs may have been added since.
+    /// Writes it; a batch that is resumed must be the same shard as before. Jobs may have been
+    /// added since.
     pub fn write(&self, directory: &Path, resumes: bool) -> Result<(), Failure> {
         if resumes && directory.join(MANIFEST).exists() {
             let before = Self::read(directory)?;

@@ -1,5 +1,5 @@
-//! A part of a job's samples: some of its groups, kept apart so that they can be added up in their order, whoever has
-//! done them.
+//! A part of a job's samples: some of its groups, kept apart so that they can be added up in their
+//! order, whoever has done them.
 
 use super::share::{image_tensor, of_group};
 use crate::batch::queue::shard::Shard;

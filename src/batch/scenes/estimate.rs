@@ -6,17 +6,20 @@ use crate::jobs::settings;
 use crate::methods::Settings;
 use crate::scene::Scene;
 
-/// Bytes of a triangle in Embree: its own copy of the indices, and the hierarchy over robust triangles.
+/// Bytes of a triangle in Embree: its own copy of the indices, and the hierarchy over robust
+/// triangles.
 const ACCEL_BYTES_A_TRIANGLE: u64 = 130;
 /// Embree's device and a small scene in it.
 const ACCEL_BYTES: u64 = 1 << 20;
-/// Bytes of a triangle in the numbered geometry and the adjacency, the tables for making the latter included.
+/// Bytes of a triangle in the numbered geometry and the adjacency, the tables for making the latter
+/// included.
 const LINK_BYTES_A_TRIANGLE: u64 = 16 + 12 + 48;
 /// Position, normal and texture coordinates.
 const BYTES_A_VERTEX: u64 = 32;
 /// A tile's store of paths, its image and its sums, in flight on a thread.
 const TILE_BYTES: u64 = 6 << 20;
-/// Vertices and texels that the paths of one tile touch, at most: what waits of a tile are these alone.
+/// Vertices and texels that the paths of one tile touch, at most: what waits of a tile are these
+/// alone.
 const TOUCHED: u64 = 1 << 17;
 /// Tiles whose results wait for being added, a thread: as `methods::stage` hands them out.
 const WAITING_TILES: u64 = 8;

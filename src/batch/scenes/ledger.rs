@@ -127,7 +127,8 @@ impl<S> Ledger<S> {
         self.lock()
     }
 
-    /// Whether so many bytes more are allowed, and the system would give them now: it may have limits of its own.
+    /// Whether so many bytes more are allowed, and the system would give them now: it may have
+    /// limits of its own.
     pub fn has_room(&self, state: &State<S>, bytes: u64) -> bool {
         state.used + bytes <= self.limit && room::look_for(bytes).is_ok()
     }

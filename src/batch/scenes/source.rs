@@ -11,8 +11,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Bytes in memory for each byte of a mesh or scene file while it is being read: the file, what is parsed of it, and
-/// the mesh.
+/// Bytes in memory for each byte of a mesh or scene file while it is being read: the file, what is
+/// parsed of it, and the mesh.
 const GROWTH: u64 = 4;
 
 /// When a file was last changed, and its length.

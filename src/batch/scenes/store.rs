@@ -1,8 +1,10 @@
-//! Scenes in memory, each loaded once and shared by its jobs, and the memory that scenes and jobs may take.
+//! Scenes in memory, each loaded once and shared by its jobs, and the memory that scenes and jobs
+//! may take.
 //!
-//! A job is admitted when its estimate fits beside what is there. Scenes that no job is using are dropped for it, the
-//! longest unused first; else it waits until others have ended. Only one scene loads at a time, and only a job that no
-//! other holds up may fail for want of memory: whoever waits holds nothing that another could need.
+//! A job is admitted when its estimate fits beside what is there. Scenes that no job is using are
+//! dropped for it, the longest unused first; else it waits until others have ended. Only one scene
+//! loads at a time, and only a job that no other holds up may fail for want of memory: whoever
+//! waits holds nothing that another could need.
 
 use super::key::SceneKey;
 use super::ledger::{Ledger, Reservation};
@@ -23,7 +25,8 @@ pub struct Store {
 
 /// A job that may run.
 pub struct Admission {
-    // In this order they go: whoever sees that no job is active must find the scenes idle and the memory free.
+    // In this order they go: whoever sees that no job is active must find the scenes idle and the
+    // memory free.
     pub loaded: Arc<Loaded>,
     _release: Release,
     /// Whether this job's coming made the scene load.
@@ -53,7 +56,8 @@ impl Store {
         self.ledger.lock().loads
     }
 
-    /// Waits until the scene is there and the job fits. `bytes` estimates what the job takes beside it.
+    /// Waits until the scene is there and the job fits. `bytes` estimates what the job takes beside
+    /// it.
     pub fn admit(
         &self,
         key: &SceneKey,

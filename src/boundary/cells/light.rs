@@ -1,15 +1,17 @@
 //! Shadows: where the light's visibility jumps inside the light's own square.
 //!
-//! For a vertex x and a patch, L(θ) = ∫₀¹∫₀¹ g(s, r) vis(s, r) ds dr. On a line of fixed r, cut at any points
-//! s₀ = 0 < s₁ < … < 1, the change of variables of each cell shifts its interior rigidly by V_s, the speed of the
-//! silhouette that was found in it, and leaves ∂L = ∫∂(g)·vis + Σ_cells V_s·(g₋ − g₊) at the jump (a rotation of
-//! the bundle seen from x; Loubet 2019). Lines of fixed r give the part of the motion along s, lines of fixed s
-//! the part along r, and their sum is the whole: V·n dl = V_s dr + V_r ds.
+//! For a vertex x and a patch, L(θ) = ∫₀¹∫₀¹ g(s, r) vis(s, r) ds dr. On a line of fixed r, cut at
+//! any points s₀ = 0 < s₁ < … < 1, the change of variables of each cell shifts its interior rigidly
+//! by V_s, the speed of the silhouette that was found in it, and leaves ∂L = ∫∂(g)·vis + Σ_cells
+//! V_s·(g₋ − g₊) at the jump (a rotation of the bundle seen from x; Loubet 2019). Lines of fixed r
+//! give the part of the motion along s, lines of fixed s the part along r, and their sum is the
+//! whole: V·n dl = V_s dr + V_r ds.
 //!
-//! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it; the lines' ends lie
-//! on the light's rim, so that the cells cover them without gaps, and jittered points divide them. No kernel width: a
-//! silhouette that crosses a line is found with certainty if it crosses the cell once. A shadow that is shorter than the
-//! spacing of the points may be missed, and is weighed for that (`crate::boundary::reciprocal`).
+//! Each vertex draws one uniform (s, r), which is its light sample, and the two lines through it;
+//! the lines' ends lie on the light's rim, so that the cells cover them without gaps, and jittered
+//! points divide them. No kernel width: a silhouette that crosses a line is found with certainty if
+//! it crosses the cell once. A shadow that is shorter than the spacing of the points may be missed,
+//! and is weighed for that (`crate::boundary::reciprocal`).
 
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
@@ -138,7 +140,8 @@ impl LightLines<'_> {
         &self.draw.square[1 - self.axis]
     }
 
-    /// The part of a lane's line that is above its horizon; `None` if nothing may be found there that moves.
+    /// The part of a lane's line that is above its horizon; `None` if nothing may be found there
+    /// that moves.
     fn part_that_matters(&self, lane: usize) -> Option<[f32; 2]> {
         let SearchScene { view, moving, .. } = *self.scene;
         let (vertices, surface) = (self.at.vertices, self.at.surface);
@@ -169,8 +172,9 @@ impl LightLines<'_> {
     }
 }
 
-/// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there would be shadows that are never
-/// found: those that always have the line's end for a neighbour, where that is hidden by something else.
+/// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there
+/// would be shadows that are never found: those that always have the line's end for a neighbour,
+/// where that is hidden by something else.
 fn points([from, to]: [f32; 2], jitter: f32, extra: f32) -> [f32; POINTS] {
     let mut points = [from; POINTS];
     for (i, point) in points[1..=INNER_POINTS].iter_mut().enumerate() {
@@ -182,7 +186,8 @@ fn points([from, to]: [f32; 2], jitter: f32, extra: f32) -> [f32; POINTS] {
     points
 }
 
-/// The part of a line whose points stand higher than the surface's horizon, given the heights at its ends.
+/// The part of a line whose points stand higher than the surface's horizon, given the heights at
+/// its ends.
 fn above_horizon([from, to]: [f32; 2], [low, high]: [f32; 2]) -> Option<[f32; 2]> {
     let crossing = from + (to - from) * low / (low - high);
     match (low > 0.0, high > 0.0) {
@@ -238,7 +243,7 @@ impl ShadowLine for LightLine<'_> {
         SHADOW_FAR
     }
 
-    fn runs(&self, borders: &[f64]) -> Intervals {
+    fn intervals(&self, borders: &[f64]) -> Intervals {
         let [from, to] = self.ends.map(f64::from);
         let part = |at: &f64| (at - from) / (to - from);
         let places = borders.iter().map(|at| part(at) * INNER_POINTS as f64);
@@ -275,8 +280,8 @@ impl LightLine<'_> {
         }
     }
 
-    /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump · V/Ḟ over the
-    /// probability of the patch.
+    /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump ·
+    /// V/Ḟ over the probability of the patch.
     fn radiance_per_side(&self, boundary: Boundary, at: [f64; 2], jump: f64) -> Rgb {
         let At {
             view,

@@ -1,9 +1,11 @@
-//! What lies on an interval of a line of rays: searched for from what its ends see, and looked at from both sides.
+//! What lies on an interval of a line of rays: searched for from what its ends see, and looked at
+//! from both sides.
 //!
-//! On the film the line is a row or a column of the lattice, over a lobe a half great circle. In both cases two neighbours that
-//! see different triangles have a boundary between them (`discontinuity::between`). The radiance is probed
-//! right beside it, and where what is seen there is not what the interval's end sees, something else ends
-//! between them: the rest of the interval is searched again.
+//! On the film the line is a row or a column of the lattice, over a lobe a half great circle. In
+//! both cases two neighbours that see different triangles have a boundary between them
+//! (`discontinuity::between`). The radiance is probed right beside it, and where what is seen there
+//! is not what the interval's end sees, something else ends between them: the rest of the interval
+//! is searched again.
 
 use crate::boundary::inclusion_by_walks::Border;
 use crate::boundary::probe::{Probed, Sides};
@@ -43,7 +45,8 @@ pub trait Cell: Copy {
     /// The triangle that is seen at a place.
     fn first_hit(&self, s: f64) -> u32;
 
-    /// Edges within what is seen that are nearer to the next one than this are taken as one with it.
+    /// Edges within what is seen that are nearer to the next one than this are taken as one with
+    /// it.
     fn gap(&self) -> f64;
 
     /// How far beside a crossing probes look.
@@ -96,8 +99,9 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         }
     }
 
-    /// What lies between the ends of a cell, also where something stands in front of what both see. Of several edges within
-    /// what is seen `choice` in [0, 1) picks one; without it none are looked for.
+    /// What lies between the ends of a cell, also where something stands in front of what both see.
+    /// Of several edges within what is seen `choice` in [0, 1) picks one; without it none are
+    /// looked for.
     pub fn candidates(&mut self, cell: &C, choice: Option<f64>) -> Vec<Candidate<C>> {
         let mut probes = 0;
         let seen = |s: f64| {
@@ -148,8 +152,9 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         Ok(found.map(|crossing| crossing.map(candidate)))
     }
 
-    /// Looks on both sides of each candidate and keeps those at which the radiance jumps. Returns what else must lie in
-    /// their cells. `look` is given up to LANES / 2 candidates, and the directions beside them in pairs of lanes.
+    /// Looks on both sides of each candidate and keeps those at which the radiance jumps. Returns
+    /// what else must lie in their cells. `look` is given up to LANES / 2 candidates, and the
+    /// directions beside them in pairs of lanes.
     pub fn probe(
         &mut self,
         candidates: &[Candidate<C>],
@@ -219,8 +224,9 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         }
     }
 
-    /// Keeps the border at a silhouette beside which `seen` is seen, unless it lies behind that; and returns the silhouettes in the
-    /// rest of its cell: where what is seen beside it is not what an end of the cell sees, something else ends in between.
+    /// Keeps the border at a silhouette beside which `seen` is seen, unless it lies behind that;
+    /// and returns the silhouettes in the rest of its cell: where what is seen beside it is not
+    /// what an end of the cell sees, something else ends in between.
     fn rest(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let places = candidate.places_beside();

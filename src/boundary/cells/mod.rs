@@ -1,4 +1,5 @@
-//! Our own estimator: the domain of each integral is cut into cells by lines, and what jumps is found between their ends.
+//! Our own estimator: the domain of each integral is cut into cells by lines, and what jumps is
+//! found between their ends.
 
 pub mod environment;
 pub mod film;

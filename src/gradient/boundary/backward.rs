@@ -1,4 +1,5 @@
-//! The backward sweep over boundary samples: from what moving boundaries bring to everything that moves them.
+//! The backward sweep over boundary samples: from what moving boundaries bring to everything that
+//! moves them.
 
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;

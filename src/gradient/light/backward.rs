@@ -148,7 +148,8 @@ impl BackwardSweep<'_> {
             .fold(0, |bits, l| bits | 1 << l)
     }
 
-    /// From the radiance that is emitted to its texels; in lanes of `seen` also to where on the light that is.
+    /// From the radiance that is emitted to its texels; in lanes of `seen` also to where on the
+    /// light that is.
     fn emission_texels(
         &self,
         here: &Solved,
@@ -181,7 +182,8 @@ impl BackwardSweep<'_> {
         bars.b = b_bar.map(Lane::new);
     }
 
-    /// Adds to the texels of a light's radiance at a point of a triangle; returns the slopes over the barycentrics.
+    /// Adds to the texels of a light's radiance at a point of a triangle; returns the slopes over
+    /// the barycentrics.
     fn add_light_texels(
         &self,
         light: usize,
@@ -258,7 +260,8 @@ impl BackwardSweep<'_> {
         self.view.geometry.first_triangle[self.view.scene.area_lights[light].mesh]
     }
 
-    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map, with this weight.
+    /// What the environment map brings to a vertex from `direction`, which keeps its place on the
+    /// map, with this weight.
     pub(crate) fn environment_brings(
         &self,
         here: &Solved,

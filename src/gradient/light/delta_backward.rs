@@ -135,7 +135,8 @@ impl BackwardSweep<'_> {
         masked(bits, p + w_bar)
     }
 
-    /// The cotangents of the light's power and of the path's weight; `brings` is what arrives per unit of power.
+    /// The cotangents of the light's power and of the path's weight; `brings` is what arrives per
+    /// unit of power.
     fn power(
         &self,
         light: &DeltaLight,

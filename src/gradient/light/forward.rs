@@ -39,7 +39,8 @@ impl ForwardSweep<'_> {
         V3::select(lane_mask(sampled), brings, seen)
     }
 
-    /// What the environment map brings to a vertex from `direction`, which keeps its place on the map.
+    /// What the environment map brings to a vertex from `direction`, which keeps its place on the
+    /// map.
     pub(crate) fn environment_brings(
         &self,
         here: &MovingVertex,
@@ -64,9 +65,10 @@ impl ForwardSweep<'_> {
         tangent_of(here.throughput.times(arrives))
     }
 
-    /// Emission that the arriving ray found. In lanes that share the lights with light samples it is a sample of the
-    /// integral over the light's surface (`paths::light::sample`): its point keeps its barycentrics, and the irradiance kernel
-    /// moves. In others it is seen as by the camera.
+    /// Emission that the arriving ray found. In lanes that share the lights with light samples it
+    /// is a sample of the integral over the light's surface (`paths::light::sample`): its point
+    /// keeps its barycentrics, and the irradiance kernel moves. In others it is seen as by the
+    /// camera.
     pub(crate) fn emission(
         &self,
         chain: &Arriving,

@@ -1,8 +1,9 @@
-//! The backward sweep: from stored vertices, last to first, to the cotangents of everything that was asked for.
+//! The backward sweep: from stored vertices, last to first, to the cotangents of everything that
+//! was asked for.
 //!
-//! No ray is traced. Each vertex is solved again from its stored ray, the generated adjoints of the kernels carry the
-//! cotangents of position, normal, direction and throughput toward the camera, and what reaches a triangle's vertices, a
-//! texel or the camera is added to the tile's sums.
+//! No ray is traced. Each vertex is solved again from its stored ray, the generated adjoints of the
+//! kernels carry the cotangents of position, normal, direction and throughput toward the camera,
+//! and what reaches a triangle's vertices, a texel or the camera is added to the tile's sums.
 
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
@@ -103,8 +104,8 @@ impl VertexBars {
     }
 }
 
-/// What a vertex hands to the one before it: the cotangents of the ray between them and of the throughput, and those that
-/// emission found by the bounce has for the earlier vertex itself.
+/// What a vertex hands to the one before it: the cotangents of the ray between them and of the
+/// throughput, and those that emission found by the bounce has for the earlier vertex itself.
 pub(crate) struct Returning {
     /// The derivative by the radiance of each path.
     radiance_bar: V3<Lane>,
@@ -128,8 +129,8 @@ impl Returning {
 }
 
 impl BackwardSweep<'_> {
-    /// Adds the gradient of Σ radiance_bar · radiance over the lanes of a packet, whose camera rays go through the
-    /// film points (`u`, `v`).
+    /// Adds the gradient of Σ radiance_bar · radiance over the lanes of a packet, whose camera rays
+    /// go through the film points (`u`, `v`).
     pub fn add_path(
         &self,
         store: &TileStore,

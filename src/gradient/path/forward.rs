@@ -1,4 +1,5 @@
-//! The forward sweep: from stored vertices, camera side first, to the derivative of each path's radiance.
+//! The forward sweep: from stored vertices, camera side first, to the derivative of each path's
+//! radiance.
 
 use crate::gradient::scene::forward::{Motion, MovingCamera, dual_vector, tangent_of};
 use crate::kernels::bsdf::{
@@ -36,8 +37,8 @@ pub(crate) struct Arriving {
 }
 
 impl Arriving {
-    /// Keeps the tangents, and takes the values from the path that was stored: its rays start a little off the surfaces, which
-    /// matters where the next one is near.
+    /// Keeps the tangents, and takes the values from the path that was stored: its rays start a
+    /// little off the surfaces, which matters where the next one is near.
     fn follow(&mut self, vertices: &Vertices) {
         self.origin = dual_vector(vertices.origin, tangent_of(self.origin));
         self.direction = dual_vector(vertices.direction, tangent_of(self.direction));
@@ -70,7 +71,8 @@ impl<'a> ForwardSweep<'a> {
         }
     }
 
-    /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points (`u`, `v`).
+    /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points
+    /// (`u`, `v`).
     pub fn radiance_derivative(
         &self,
         store: &TileStore,

@@ -1,4 +1,5 @@
-//! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over [`Geometry`].
+//! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over
+//! [`Geometry`].
 
 use crate::lanes::{Dual, LANES, Lane, Real, V3};
 use crate::paths::environment::map;

@@ -1,8 +1,9 @@
 //! How smooth shading normals turn when vertices move.
 //!
-//! A computed normal is n_i = normalize(Σ α·m) over the corners at vertex i, with m the unit normal of the corner's
-//! triangle and α its angle there (Thürmer & Wüthrich 1998). Each corner is a small function of nine numbers; its
-//! Jacobian comes from dual numbers, in f64, once a mesh: nothing here is worth a kernel.
+//! A computed normal is n_i = normalize(Σ α·m) over the corners at vertex i, with m the unit normal
+//! of the corner's triangle and α its angle there (Thürmer & Wüthrich 1998). Each corner is a small
+//! function of nine numbers; its Jacobian comes from dual numbers, in f64, once a mesh: nothing
+//! here is worth a kernel.
 
 use crate::lanes::{Dual, V3};
 use crate::scene::{Mesh, Normals, Scene, SceneDifferential};
@@ -19,7 +20,8 @@ pub fn tangent(scene: &Scene, tangent: &SceneDifferential) -> Vec<Option<Vec<Vec
     scene.meshes.iter().enumerate().map(turn).collect()
 }
 
-/// Adds to `positions` what cotangents of computed normals come to, and returns those of given normals by mesh.
+/// Adds to `positions` what cotangents of computed normals come to, and returns those of given
+/// normals by mesh.
 pub fn adjoint(
     scene: &Scene,
     geometry: &Geometry,
@@ -47,7 +49,8 @@ pub fn adjoint(
     given
 }
 
-/// The corners of a mesh: vertices in order from the corner, and the derivative of α·m by each of them.
+/// The corners of a mesh: vertices in order from the corner, and the derivative of α·m by each of
+/// them.
 fn corners(mesh: &Mesh) -> impl Iterator<Item = ([usize; 3], DVec3, [DMat3; 3])> + '_ {
     mesh.triangles.iter().flat_map(move |t| {
         (0..3).map(move |c| {

@@ -1,5 +1,5 @@
-//! Arrays of 32- and 64-bit floats and integers, of either byte and axis order; what the header says is known before the
-//! numbers are read.
+//! Arrays of 32- and 64-bit floats and integers, of either byte and axis order; what the header
+//! says is known before the numbers are read.
 
 use super::super::error::FileError;
 use super::shape;

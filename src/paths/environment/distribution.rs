@@ -1,11 +1,13 @@
 //! Sampling an environment map: directions, and lines on which the shadows' edges are looked for.
 //!
-//! Directions keep their place on the map when it turns. In these coordinates the radiance is constant, and so are the
-//! densities of both strategies that sample it (light samples and wide bounces): as for area lights, multiple importance
-//! weights may be frozen, and what is left to differentiate is the surface and what hides the environment.
+//! Directions keep their place on the map when it turns. In these coordinates the radiance is
+//! constant, and so are the densities of both strategies that sample it (light samples and wide
+//! bounces): as for area lights, multiple importance weights may be frozen, and what is left to
+//! differentiate is the surface and what hides the environment.
 //!
-//! Lines are meridians about two axes of the map (`boundary::cells::lobe::line`), each drawn by the map's power along
-//! it, with points at quantiles of its power: most lines run through the sun, most of their points lie in it.
+//! Lines are meridians about two axes of the map (`boundary::cells::lobe::line`), each drawn by the
+//! map's power along it, with points at quantiles of its power: most lines run through the sun,
+//! most of their points lie in it.
 
 use crate::paths::environment::map;
 use crate::paths::light::patches::luminance;
@@ -15,12 +17,13 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The part of all samples that is spread evenly, so that what bins are too coarse for is not missed.
+/// The part of all samples that is spread evenly, so that what bins are too coarse for is not
+/// missed.
 const EVEN: f64 = 0.1;
 /// Columns of meridians about the second axis, at most.
 const MOST_COLUMNS: usize = 1024;
-/// Samples along each side of a texel's cell when the map is turned to another axis: this many where the map is coarse,
-/// fewer where it is as fine as the table.
+/// Samples along each side of a texel's cell when the map is turned to another axis: this many
+/// where the map is coarse, fewer where it is as fine as the table.
 const SUBDIVISIONS: usize = 4;
 
 /// Rows of samples that are worked out at once, and then added in their order.
@@ -323,7 +326,8 @@ mod tests {
         (texture, map)
     }
 
-    /// ∫L dω by samples over their density is that over a grid, for directions and for lines of both axes.
+    /// ∫L dω by samples over their density is that over a grid, for directions and for lines of
+    /// both axes.
     #[test]
     fn samples_and_lines_integrate_the_map() {
         let (texture, map) = sunny();

@@ -1,7 +1,8 @@
 //! The environment map: what shines from each direction, and how that changes with the direction.
 //!
-//! With +y up, u = atan2(x, −z)/2π and v = acos(y)/π. Columns have their centres at (x + ½)/width and repeat; rows lie at
-//! v = y/(height − 1), the first and the last at the poles. So Mitsuba 3.9 has it.
+//! With +y up, u = atan2(x, −z)/2π and v = acos(y)/π. Columns have their centres at (x + ½)/width
+//! and repeat; rows lie at v = y/(height − 1), the first and the last at the poles. So Mitsuba 3.9
+//! has it.
 
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::{from_lanes, lane_of};
@@ -15,12 +16,14 @@ pub struct MapLookup {
     pub value: Vec3,
     pub texels: [u32; 4],
     pub weights: [f32; 4],
-    /// The slopes of the value over u and v, and those of u and v over the (unnormalised) world direction.
+    /// The slopes of the value over u and v, and those of u and v over the (unnormalised) world
+    /// direction.
     pub by_uv: [Vec3; 2],
     pub by_direction: [Vec3; 2],
 }
 
-/// The radiance, not scaled, at `place` of a bitmap: columns from the left edge and rows from the top, in texels.
+/// The radiance, not scaled, at `place` of a bitmap: columns from the left edge and rows from the
+/// top, in texels.
 pub fn value_at(texture: &Texture, [width, height]: [u32; 2], place: [f64; 2]) -> Vec3 {
     let x = place[0] - 0.5;
     let y = place[1].min(f64::from(height - 1));

@@ -1,4 +1,5 @@
-//! Samples of an environment map; see `paths::light::sample` and `paths::environment::distribution`.
+//! Samples of an environment map; see `paths::light::sample` and
+//! `paths::environment::distribution`.
 
 use crate::kernels::light::direction_irradiance;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
@@ -82,8 +83,9 @@ impl SceneView<'_> {
         )
     }
 
-    /// For bounces that see the map: the MIS weight against samples of it at the vertex `from`, times what turns its
-    /// irradiance into the radiance of the path; and π times the BSDF times the irradiance.
+    /// For bounces that see the map: the MIS weight against samples of it at the vertex `from`,
+    /// times what turns its irradiance into the radiance of the path; and π times the BSDF times
+    /// the irradiance.
     pub fn sampled_environment(
         &self,
         distribution: &MapDistribution,

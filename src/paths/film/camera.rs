@@ -31,7 +31,8 @@ impl Camera {
             origin: sensor.to_world.translation.into(),
             axes: [m.x_axis.into(), m.y_axis.into(), m.z_axis.into()],
             tan_half_x_fov: (sensor.x_fov_rad as f64 / 2.0).tan(),
-            // Mitsuba's convention: p_x = 1 − 2·(u_x/width + shift), p_y the same over the aspect ratio.
+            // Mitsuba's convention: p_x = 1 − 2·(u_x/width + shift), p_y the same over the aspect
+            // ratio.
             offset: [
                 1.0 - 2.0 * (crop_x / width + shift.x),
                 (1.0 - 2.0 * (crop_y / height + shift.y)) * height / width,

@@ -1,7 +1,8 @@
 //! Reconstruction filters over a lattice: samples to pixels, and an adjoint image back to samples.
 //!
-//! I_j = ∫h_j(u) L(u) du / ∫h_j(u) du over the sampled domain. The lattice is a product and so are the filters:
-//! every row of samples is filtered along x first and then added to the pixel rows it reaches.
+//! I_j = ∫h_j(u) L(u) du / ∫h_j(u) du over the sampled domain. The lattice is a product and so are
+//! the filters: every row of samples is filtered along x first and then added to the pixel rows it
+//! reaches.
 
 use crate::paths::film::lattice::{Lattice, Tile};
 use crate::scene::{Filter, Rgb};
@@ -80,7 +81,8 @@ impl FilmFilter {
         taps
     }
 
-    /// The weights of all lattice points of a tile along axis `i`, times their spacing; outer points get none.
+    /// The weights of all lattice points of a tile along axis `i`, times their spacing; outer
+    /// points get none.
     pub fn tile_taps(&self, tile: &Tile, i: usize) -> Vec<Taps> {
         (0..tile.points[i])
             .map(|p| {
@@ -227,7 +229,8 @@ impl Block {
     }
 }
 
-/// What [`Block::add_row`] multiplies each value with, given the cotangents of all pixels: Σ_j w_j Ī_j.
+/// What [`Block::add_row`] multiplies each value with, given the cotangents of all pixels: Σ_j w_j
+/// Ī_j.
 pub fn gather_row(
     adjoint: &[Rgb],
     width: usize,

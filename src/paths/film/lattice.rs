@@ -1,9 +1,10 @@
 //! The film's samples: one shifted lattice a tile and group.
 //!
-//! A group of samples puts `columns × rows` points in every pixel, on a regular lattice that is shifted as a whole
-//! by one random vector a tile. Every interval between neighbours in a row or a column is a *cell* of the change
-//! of variables (`boundary::cells::film::search`); so that the cells cover the tile completely, the lattice has one more point
-//! beyond each side of the tile, which belongs to no pixel's sum.
+//! A group of samples puts `columns × rows` points in every pixel, on a regular lattice that is
+//! shifted as a whole by one random vector a tile. Every interval between neighbours in a row or a
+//! column is a *cell* of the change of variables (`boundary::cells::film::search`); so that the
+//! cells cover the tile completely, the lattice has one more point beyond each side of the tile,
+//! which belongs to no pixel's sum.
 
 use crate::paths::dimensions::Single;
 use crate::paths::random::Stream;
@@ -41,8 +42,8 @@ pub struct LatticeImage {
     pub radiance: Vec<Rgb>,
 }
 
-/// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep its store in
-/// the second-level cache whatever the number of samples a pixel.
+/// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep
+/// its store in the second-level cache whatever the number of samples a pixel.
 const POINTS_PER_SIDE: usize = 64;
 
 impl Lattice {

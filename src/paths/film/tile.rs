@@ -35,8 +35,8 @@ pub struct FilmPacket {
 }
 
 impl TracedTile {
-    /// Traces the tile, and has the estimator find what jumps on the film. Paths are kept for the sweeps if `keep` says so.
-    /// What `store` holds is thrown away.
+    /// Traces the tile, and has the estimator find what jumps on the film. Paths are kept for the
+    /// sweeps if `keep` says so. What `store` holds is thrown away.
     pub fn trace(
         integrator: &Integrator,
         filter: &FilmFilter,

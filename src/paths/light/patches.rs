@@ -1,8 +1,8 @@
 //! Area lights as patches: parallelograms where two triangles make one, else single triangles.
 //!
-//! A patch is parametrised by the unit square: y(s, r) = q + s·e1 + r·e2. A parallelogram covers it, a single
-//! triangle its half s + r ≤ 1. Light samples and shadow cells live in this square (`boundary::cells::light`), and a
-//! point keeps its (s, r) when the light moves.
+//! A patch is parametrised by the unit square: y(s, r) = q + s·e1 + r·e2. A parallelogram covers
+//! it, a single triangle its half s + r ≤ 1. Light samples and shadow cells live in this square
+//! (`boundary::cells::light`), and a point keeps its (s, r) when the light moves.
 
 use crate::lanes::{LANES, Lane};
 use crate::scene::{Layout, Rgb, Scene};
@@ -15,7 +15,8 @@ use rayon::slice::ParallelSliceMut;
 pub struct Patch {
     /// Vertices of the triangle that holds s + r ≤ 1: corner q, then at s = 1, then at r = 1.
     pub lower: [u32; 3],
-    /// Vertices of the triangle that holds s + r > 1: the far corner, then at r = 1 (s = 0), then at s = 1 (r = 0).
+    /// Vertices of the triangle that holds s + r > 1: the far corner, then at r = 1 (s = 0), then
+    /// at s = 1 (r = 0).
     pub upper: Option<[u32; 3]>,
     /// The far corner is where its first vertex lies; the edges from q.
     pub corner: Vec3,
@@ -38,7 +39,8 @@ pub struct Lights {
     pub patches: Vec<Patch>,
     /// Sum of the probabilities up to and including each patch.
     cumulative: Vec<f32>,
-    /// Light and density (per solid angle needs the distance; this is per area) of each emitting triangle.
+    /// Light and density (per solid angle needs the distance; this is per area) of each emitting
+    /// triangle.
     pub of_mesh: Vec<Option<u32>>,
     /// Whether any light's radiance is not constant.
     pub any_texture: bool,

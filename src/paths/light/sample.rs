@@ -1,10 +1,11 @@
 //! Light samples: what area lights bring to a vertex.
 //!
-//! At every vertex the light that arrives from area lights is an integral over the lights' own surface
-//! (`kernels::light`), estimated by light samples and by bounces that happen to end on a light, combined by the
-//! power heuristic. The weights and densities are numbers at θ₀: they are ways of *sampling* an integrand that is
-//! differentiated in coordinates which no strategy depends on, so freezing them is exact (docs/method.md warns of
-//! freezing them where strategies move differently). Narrow lobes do not take part: see `paths::surface::materials`.
+//! At every vertex the light that arrives from area lights is an integral over the lights' own
+//! surface (`kernels::light`), estimated by light samples and by bounces that happen to end on a
+//! light, combined by the power heuristic. The weights and densities are numbers at θ₀: they are
+//! ways of *sampling* an integrand that is differentiated in coordinates which no strategy depends
+//! on, so freezing them is exact (docs/method.md warns of freezing them where strategies move
+//! differently). Narrow lobes do not take part: see `paths::surface::materials`.
 
 use crate::kernels::light::triangle_irradiance;
 use crate::kernels::normal::face_normal;
@@ -25,8 +26,9 @@ use crate::trace::geometry::gather;
 use glam::Vec3;
 
 impl SceneView<'_> {
-    /// For emission found by a bounce that left `from`: the MIS weight against the light samples of that vertex, times
-    /// what turns its irradiance into the radiance of the path; and π times the BSDF times the irradiance.
+    /// For emission found by a bounce that left `from`: the MIS weight against the light samples of
+    /// that vertex, times what turns its irradiance into the radiance of the path; and π times the
+    /// BSDF times the irradiance.
     pub fn sampled_emission(
         &self,
         vertices: &Vertices,
@@ -104,7 +106,8 @@ impl At<'_> {
         let mut weight = Lane::splat(1.0) / Lane::new(pdf);
         let w = y - surface.x;
         if with_bounce {
-            // In (s, r) the bounce's density is p/cos·π times the irradiance kernel; p/cos is 1/π for diffuse light.
+            // In (s, r) the bounce's density is p/cos·π times the irradiance kernel; p/cos is 1/π
+            // for diffuse light.
             let over_cos = view.bsdf_pdf_over_cos(vertices, surface, w.normalize());
             let bounce = irradiance * over_cos * Lane::splat(std::f32::consts::PI);
             let light = Lane::new(pdf);

@@ -57,7 +57,8 @@ impl SceneView<'_> {
         kinds
     }
 
-    /// Calls `each` with every slot of a lane's material; `b` are the barycentrics of the second and third vertex.
+    /// Calls `each` with every slot of a lane's material; `b` are the barycentrics of the second
+    /// and third vertex.
     pub fn for_each_slot(&self, triangle: u32, b: [f32; 2], mut each: impl FnMut(SlotLookup)) {
         let mesh = self.geometry.mesh_of_triangle[triangle as usize] as usize;
         let entry = self.materials.of_mesh(self.scene, mesh);
@@ -76,7 +77,8 @@ impl SceneView<'_> {
         }
     }
 
-    /// What the surfaces in each lane are made of at barycentrics `b1`, `b2`; harmless numbers where there is none.
+    /// What the surfaces in each lane are made of at barycentrics `b1`, `b2`; harmless numbers
+    /// where there is none.
     pub fn interface(&self, vertices: &Vertices, [b1, b2]: [Lane; 2]) -> Interface<Lane> {
         let Vertices {
             triangle, kinds, ..
@@ -95,7 +97,8 @@ impl SceneView<'_> {
         interface(&slots)
     }
 
-    /// The change of [`Self::interface`] as textures change by `change(texture, where)` and the barycentrics by `db1`, `db2`.
+    /// The change of [`Self::interface`] as textures change by `change(texture, where)` and the
+    /// barycentrics by `db1`, `db2`.
     pub fn interface_change(
         &self,
         vertices: &Vertices,
@@ -120,8 +123,8 @@ impl SceneView<'_> {
         interface(&slots)
     }
 
-    /// What rough plastics let through on the way to directions at cosine `cos_out` to the normal `n`; zeros in lanes of
-    /// other kinds.
+    /// What rough plastics let through on the way to directions at cosine `cos_out` to the normal
+    /// `n`; zeros in lanes of other kinds.
     pub fn transmission(
         &self,
         vertices: &Vertices,
@@ -163,7 +166,8 @@ impl SceneView<'_> {
     }
 }
 
-/// A texture at a point of a triangle, and its slopes along the barycentrics of the second and third vertex.
+/// A texture at a point of a triangle, and its slopes along the barycentrics of the second and
+/// third vertex.
 pub fn texture_at(
     scene: &Scene,
     geometry: &Geometry,

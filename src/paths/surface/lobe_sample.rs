@@ -20,14 +20,16 @@ const LEAST_SURVIVAL: f32 = 0.1;
 /// Neither of a plastic's two lobes is drawn more rarely than this.
 const LEAST_CHANCE: f32 = 0.1;
 
-/// From this many segments on, paths without Russian roulette (those of finite differences) go on with a chance that
-/// depends on nothing, and so jumps with nothing: otherwise those in a closed room would never end.
+/// From this many segments on, paths without Russian roulette (those of finite differences) go on
+/// with a chance that depends on nothing, and so jumps with nothing: otherwise those in a closed
+/// room would never end.
 const LONG: u32 = 128;
 const LONG_SURVIVAL: f32 = 0.9;
 
 impl SceneView<'_> {
-    /// Draws the next direction and decides who goes on and who looks for silhouettes. Only a part `rim` of the directions
-    /// that a diffuse lobe may draw is wanted, those nearest to the horizon (1: all).
+    /// Draws the next direction and decides who goes on and who looks for silhouettes. Only a part
+    /// `rim` of the directions that a diffuse lobe may draw is wanted, those nearest to the horizon
+    /// (1: all).
     pub fn bsdf_sample(
         &self,
         vertices: &mut Vertices,
@@ -51,7 +53,8 @@ impl SceneView<'_> {
         RayPacket::leaving(surface.x, surface.geometric, direction, alive)
     }
 
-    /// Which paths go on, and which vertices look for silhouettes over their lobes; sets the weights of both.
+    /// Which paths go on, and which vertices look for silhouettes over their lobes; sets the
+    /// weights of both.
     fn roulette(&self, vertices: &mut Vertices, numbers: &Numbers) -> u32 {
         let depth = numbers.depth;
         let zero = Lane::splat(0.0);
@@ -187,8 +190,8 @@ impl SceneView<'_> {
         vertices.inverse_density = <Lane as Real>::select(density.gt(zero), one / density, zero);
     }
 
-    /// Density over solid angle of the bounce's direction `d` (unit) over its cosine to the normal, of all lobes that light
-    /// samples light too.
+    /// Density over solid angle of the bounce's direction `d` (unit) over its cosine to the normal,
+    /// of all lobes that light samples light too.
     pub fn bsdf_pdf_over_cos(&self, vertices: &Vertices, surface: &Surface, d: V3<Lane>) -> Lane {
         let diffuse = std::f32::consts::FRAC_1_PI;
         if surface.interface.is_none() {
@@ -257,7 +260,8 @@ impl View {
         let eta = s.eta.x.to_array()[lane] as f64;
         let mut specular_chance = 0.0;
         if vertices.kinds.plastic >> lane & 1 == 1 {
-            // As Mitsuba weighs them: by the mean reflectances, and by what the interface reflects here.
+            // As Mitsuba weighs them: by the mean reflectances, and by what the interface reflects
+            // here.
             let mean = |v: V3<Lane>| lane_of(v, lane).element_sum().max(1e-6);
             let (diffuse, specular) = (mean(s.reflectance), mean(s.second_reflectance));
             let reflected = fresnel_dielectric(wi.z, eta) as f32;

@@ -14,9 +14,10 @@ pub const SLOTS: usize = 5;
 /// Where a material has no texture.
 pub const NONE: u32 = u32::MAX;
 
-/// Rough conductors and plastics this rough or rougher are also lit by light samples, and their lobes differentiated in
-/// the lights' coordinates. Narrower lobes see lights along their reflections alone, and are differentiated in their own
-/// (the threshold of [Loubet2019]'s implementation, there between kernels and convolutions).
+/// Rough conductors and plastics this rough or rougher are also lit by light samples, and their
+/// lobes differentiated in the lights' coordinates. Narrower lobes see lights along their
+/// reflections alone, and are differentiated in their own (the threshold of [Loubet2019]'s
+/// implementation, there between kernels and convolutions).
 const WIDE_ALPHA: f32 = 0.15;
 
 /// One material, prepared.

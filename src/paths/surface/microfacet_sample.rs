@@ -1,8 +1,9 @@
 //! Drawing microfacet normals.
 //!
-//! The visible normals of GGX are reflections of the ray at a spherical cap (Dupuy & Benyoub 2023), which is uniform in
-//! the square of its height: no branch, no special case at grazing angles. Beckmann's are drawn from the same with
-//! its own roughness: their ratio to GGX's is at most 4/e, so one sampler serves both.
+//! The visible normals of GGX are reflections of the ray at a spherical cap (Dupuy & Benyoub 2023),
+//! which is uniform in the square of its height: no branch, no special case at grazing angles.
+//! Beckmann's are drawn from the same with its own roughness: their ratio to GGX's is at most 4/e,
+//! so one sampler serves both.
 
 use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use glam::DVec3;

@@ -1,9 +1,10 @@
 //! How much light a rough dielectric lets through, in all directions together.
 //!
-//! A rough plastic's diffuse base is lit through its interface. What gets through at an angle is ∫(1 − F)·G₁(o) over
-//! the visible normals, o being the refracted direction: no closed form, so it is tabulated over the cosine, with the 64
-//! cosines of Mitsuba's `roughplastic`; so is what comes back from inside, ∫F·G₁(o) with o reflected. Differences of
-//! tables give the slopes by roughness and by the index of refraction.
+//! A rough plastic's diffuse base is lit through its interface. What gets through at an angle is
+//! ∫(1 − F)·G₁(o) over the visible normals, o being the refracted direction: no closed form, so it
+//! is tabulated over the cosine, with the 64 cosines of Mitsuba's `roughplastic`; so is what comes
+//! back from inside, ∫F·G₁(o) with o reflected. Differences of tables give the slopes by roughness
+//! and by the index of refraction.
 
 use crate::kernels::bsdf::RoughTransmission;
 use crate::kernels::fresnel::fresnel_dielectric;
@@ -78,7 +79,8 @@ impl TransmissionTable {
         }
     }
 
-    /// [a, b, c, d] of the transmittance a + b·cos + c·α + d·η about `cos` and the table's roughness and index.
+    /// [a, b, c, d] of the transmittance a + b·cos + c·α + d·η about `cos` and the table's
+    /// roughness and index.
     pub fn at(&self, cos: f32) -> [f32; 4] {
         let cos = cos.clamp(0.0, 1.0);
         let place = cos * (ENTRIES - 1) as f32;
@@ -146,8 +148,8 @@ fn cosine(i: usize) -> f64 {
     (i as f64 / (ENTRIES - 1) as f64).max(1e-6)
 }
 
-/// What a rough interface lets through, or else reflects, of light at cosine `cos`; `ratio` is the index beyond it over
-/// that before it.
+/// What a rough interface lets through, or else reflects, of light at cosine `cos`; `ratio` is the
+/// index beyond it over that before it.
 fn through(cos: f64, ratio: f64, alpha: f64, is_ggx: bool, refracts: bool) -> f64 {
     let wi = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut sum = 0.0;

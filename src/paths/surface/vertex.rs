@@ -37,8 +37,9 @@ impl SceneView<'_> {
             let [n0, n1, n2] = self.geometry.gather_normals(&corners);
             n = V3::select(lane_mask(smooth), shading_normal(n0, n1, n2, b1, b2), n);
         }
-        // The side that is seen is the triangle's, not the shading normal's: where that turns away at grazing angles a
-        // one-sided surface would be black in a rim whose border is no edge of any mesh.
+        // The side that is seen is the triangle's, not the shading normal's: where that turns away
+        // at grazing angles a one-sided surface would be black in a rim whose border is no edge of
+        // any mesh.
         let side = -(geometric.dot(d).signum());
         vertices.facing = side * (n.dot(geometric).signum());
         n = n * vertices.facing;
@@ -103,7 +104,8 @@ impl SceneView<'_> {
         V3 { x, y, z }
     }
 
-    /// Whether a lane's ray meets the side of the triangle from which it is wound counter-clockwise.
+    /// Whether a lane's ray meets the side of the triangle from which it is wound
+    /// counter-clockwise.
     pub fn sees_front(&self, vertices: &Vertices, lane: usize) -> bool {
         let [p, q, r] = self.geometry.triangles[vertices.triangle[lane] as usize]
             .map(|v| self.geometry.positions[v as usize]);
@@ -135,7 +137,8 @@ impl SceneView<'_> {
         masked(lit, value)
     }
 
-    /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were not.
+    /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were
+    /// not.
     pub fn reflects_nothing(&self, vertices: &Vertices) -> u32 {
         if self.limits.black_goes_on {
             return vertices.kinds.black;

@@ -1,4 +1,5 @@
-//! `dielectric`, `plastic` and their rough kinds: interfaces between two media, smooth or of microfacets.
+//! `dielectric`, `plastic` and their rough kinds: interfaces between two media, smooth or of
+//! microfacets.
 
 use crate::scene::data::{Bsdf, Distribution, Microfacets};
 use crate::scene::error::SceneError;

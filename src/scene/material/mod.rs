@@ -15,15 +15,16 @@ use std::collections::HashMap;
 #[derive(Default)]
 pub(super) struct Materials {
     pub list: Vec<Material>,
-    /// By the element that says how light is scattered (which may stand inside a `twosided`): used in several places it is
-    /// one set of parameters.
+    /// By the element that says how light is scattered (which may stand inside a `twosided`): used
+    /// in several places it is one set of parameters.
     by_object: HashMap<usize, Bsdf>,
     /// By that element, and whether it is two-sided.
     by_use: HashMap<(usize, bool), usize>,
 }
 
 impl Materials {
-    /// The material of the bsdf object `index`, listed under the bsdf's id or else under `key` if it is new.
+    /// The material of the bsdf object `index`, listed under the bsdf's id or else under `key` if
+    /// it is new.
     pub fn bsdf(
         &mut self,
         input: &mut Input,

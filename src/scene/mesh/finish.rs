@@ -40,8 +40,8 @@ pub(in crate::scene) fn finish(
         }
     }
     let mut triangles = raw.triangles;
-    // A mirror image turns counter-clockwise into clockwise; normals, which go with the inverse transpose,
-    // still point outside.
+    // A mirror image turns counter-clockwise into clockwise; normals, which go with the inverse
+    // transpose, still point outside.
     if (determinant < 0.0) != placement.flip_normals {
         for triangle in &mut triangles {
             triangle.swap(1, 2);
@@ -98,8 +98,8 @@ pub(in crate::scene) fn finish(
     Ok((mesh, remark))
 }
 
-/// Whether the triangle has a normal: different corners, not in line, neither in single nor in double
-/// precision.
+/// Whether the triangle has a normal: different corners, not in line, neither in single nor in
+/// double precision.
 fn has_area(positions: &[Vec3], triangle: &[u32; 3]) -> bool {
     let [a, b, c] = triangle.map(|i| positions[i as usize]);
     let single = (b - a).cross(c - a);

@@ -1,7 +1,7 @@
 //! Wavefront OBJ files: `v`, `vt`, `vn` and `f` lines. Groups and materials are passed over.
 //!
-//! Read here rather than by a crate: `tobj` splits vertices at every group and material (smooth normals and
-//! `vertex_positions` would change with the grouping) and says no line in its errors.
+//! Read here rather than by a crate: `tobj` splits vertices at every group and material (smooth
+//! normals and `vertex_positions` would change with the grouping) and says no line in its errors.
 
 use super::{MeshError, RawMesh, fan};
 use crate::scene::nearest::shown;
@@ -15,8 +15,8 @@ pub struct Reads {
     pub uvs: bool,
 }
 
-/// Reads an OBJ file. Vertex `i` is the `i`-th `v` line. A vertex that faces use with several normals or texture
-/// coordinates is repeated behind the others, once for each further combination.
+/// Reads an OBJ file. Vertex `i` is the `i`-th `v` line. A vertex that faces use with several
+/// normals or texture coordinates is repeated behind the others, once for each further combination.
 pub fn parse(bytes: &[u8], reads: Reads) -> Result<RawMesh, MeshError> {
     let mut reader = ObjReader {
         positions: Vec::new(),
@@ -72,7 +72,8 @@ struct Attributes {
 /// Which vertex of the mesh stands for a position of the file with its attributes.
 #[derive(Default)]
 struct Corners {
-    /// By position, if a face used it: what it was first used with. That pair keeps the position's number.
+    /// By position, if a face used it: what it was first used with. That pair keeps the position's
+    /// number.
     first: Vec<Option<Attributes>>,
     /// The other pairs, by the order they were met in.
     others: HashMap<(u32, Attributes), u32>,

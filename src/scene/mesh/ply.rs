@@ -7,7 +7,8 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use std::io::ErrorKind;
 
-/// Reads a PLY file. Memory stays in proportion to the bytes that are there, whatever the header claims.
+/// Reads a PLY file. Memory stays in proportion to the bytes that are there, whatever the header
+/// claims.
 pub fn parse(bytes: &[u8]) -> Result<RawMesh, MeshError> {
     let parser = Parser::<Record>::new();
     let mut reader = Reader::new(bytes);
@@ -60,7 +61,8 @@ type Elements = ply_rs_bw::ply::KeyMap<ElementDef>;
 /// Refuses headers that would be misread or that claim more than the file holds.
 fn check_header(header: &[u8], parsed: &Header, payload_bytes: usize) -> Result<(), MeshError> {
     let elements = &parsed.elements;
-    // The parser keeps one of two elements or properties of the same name, and the data would be misread.
+    // The parser keeps one of two elements or properties of the same name, and the data would be
+    // misread.
     let declared = |word: &[u8]| {
         let lines = header.split(|&b| b == b'\n');
         lines

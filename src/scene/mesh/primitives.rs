@@ -30,7 +30,8 @@ pub(in crate::scene) fn rectangle() -> RawMesh {
     }
 }
 
-/// The cube (−1,−1,−1)…(1,1,1). Its sides share their eight corners, so that edges have two triangles.
+/// The cube (−1,−1,−1)…(1,1,1). Its sides share their eight corners, so that edges have two
+/// triangles.
 pub(in crate::scene) fn cube() -> RawMesh {
     let sign = |bit: u32| if bit == 0 { -1.0 } else { 1.0 };
     let corner = |i: u32| Vec3::new(sign(i & 1), sign(i & 2), sign(i & 4));
@@ -83,9 +84,9 @@ fn side_uv(p: Vec3, normal: Vec3) -> Vec2 {
     }
 }
 
-/// The unit sphere by latitude and longitude with Mitsuba's texture coordinates: u the longitude about z from +x over its
-/// full turn, v the angle from +z over half a turn. Split along u = 0, and at the poles, where u has no value. Its normals
-/// are exact, so that the seam does not show.
+/// The unit sphere by latitude and longitude with Mitsuba's texture coordinates: u the longitude
+/// about z from +x over its full turn, v the angle from +z over half a turn. Split along u = 0, and
+/// at the poles, where u has no value. Its normals are exact, so that the seam does not show.
 pub(in crate::scene) fn globe(rings: u32) -> RawMesh {
     use std::f64::consts::{PI, TAU};
     let sectors = 2 * rings;

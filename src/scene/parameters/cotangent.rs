@@ -8,8 +8,8 @@ use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
 use glam::{DVec3, Vec3};
 
-/// Zeros for exactly what the reverse sweep must accumulate, so that [`reduce`] can give the gradients of
-/// these parameters, seen from sensor `sensor`.
+/// Zeros for exactly what the reverse sweep must accumulate, so that [`reduce`] can give the
+/// gradients of these parameters, seen from sensor `sensor`.
 pub fn wanted(
     scene: &Scene,
     parameters: &[Parameter],
@@ -46,9 +46,9 @@ pub fn wanted(
     Ok(out)
 }
 
-/// The gradient of one parameter, of its shape, from the cotangents of the scene. Sums over vertices are in
-/// double precision and in their order. What the cotangent does not hold counts as zero. Empty for a
-/// parameter that is not differentiable.
+/// The gradient of one parameter, of its shape, from the cotangents of the scene. Sums over
+/// vertices are in double precision and in their order. What the cotangent does not hold counts as
+/// zero. Empty for a parameter that is not differentiable.
 pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferential) -> Vec<f32> {
     let Some(target) = parameter.target else {
         return Vec::new();

@@ -5,8 +5,8 @@ use super::surfaces::Slots;
 use super::target::Target;
 use crate::scene::data::{Normals, Scene, Sensor};
 
-/// Every key: shape by shape with the material and light that only it has, then shared materials, other textures and
-/// lights, the environment, the sensors.
+/// Every key: shape by shape with the material and light that only it has, then shared materials,
+/// other textures and lights, the environment, the sensors.
 pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
     let mut out = Vec::new();
     let mut slots = Slots::new(scene);

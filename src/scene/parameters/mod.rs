@@ -33,8 +33,8 @@ pub fn list(scene: &Scene) -> Vec<Parameter> {
     entries.map(|e| Parameter::from_entry(scene, e)).collect()
 }
 
-/// The differentiable parameter of this key or alias; the error names the nearest key, or says why it cannot
-/// be differentiated.
+/// The differentiable parameter of this key or alias; the error names the nearest key, or says why
+/// it cannot be differentiated.
 pub fn find(scene: &Scene, key: &str) -> Result<Parameter, SceneError> {
     let entries = entries(scene);
     let matches = |e: &Entry| e.key == key || e.aliases.iter().any(|a| a == key);

@@ -70,9 +70,10 @@ impl MeshMotion {
     }
 }
 
-/// The scene at θ + `step`·direction, for finite differences. Several directions add up. A direction has as
-/// many values as the parameter, or those of its last axis. Arithmetic is in double precision; rotations are
-/// by the rotation vector `step`·direction, not by its first-order term.
+/// The scene at θ + `step`·direction, for finite differences. Several directions add up. A
+/// direction has as many values as the parameter, or those of its last axis. Arithmetic is in
+/// double precision; rotations are by the rotation vector `step`·direction, not by its first-order
+/// term.
 pub fn displace<V: AsRef<[f32]>>(
     scene: &Scene,
     directions: &[(Parameter, V)],
@@ -196,8 +197,8 @@ fn set_x_fov(scene: &mut Scene, key: &str, s: usize, fov_deg: f64) -> Result<(),
     Ok(())
 }
 
-/// Sets a parameter. Motions (translation, rotation, scale) are applied to the scene as it is: a translation
-/// by the value, a scaling by the factor. Computed normals follow.
+/// Sets a parameter. Motions (translation, rotation, scale) are applied to the scene as it is: a
+/// translation by the value, a scaling by the factor. Computed normals follow.
 pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result<(), SceneError> {
     let target = parameter.target()?;
     let values = parameter.broadcast(values)?;

@@ -43,8 +43,8 @@ impl<'s> Slots<'s> {
                 let is_plain = scene.textures[texture].channels == 1
                     && (name == "eta" || name == "alpha" && is_plastic);
                 for owner in &owners {
-                    // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings are taken for both
-                    // kinds.
+                    // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings
+                    // are taken for both kinds.
                     for level in ["", ".brdf_0"] {
                         let key = format!("{owner}{level}.{name}");
                         slots.uses[texture].push(Use { key, is_plain });

@@ -8,8 +8,8 @@ use crate::scene::differential::{CameraDifferential, SceneDifferential};
 use crate::scene::error::SceneError;
 use glam::{DVec3, Vec3};
 
-/// dScene/dθ for the sum of `directions`, each a key and its values (as many as the parameter has, or those
-/// of its last axis for all rows), seen from sensor `sensor`.
+/// dScene/dθ for the sum of `directions`, each a key and its values (as many as the parameter has,
+/// or those of its last axis for all rows), seen from sensor `sensor`.
 pub fn tangent<K: AsRef<str>, V: AsRef<[f32]>>(
     scene: &Scene,
     directions: &[(K, V)],

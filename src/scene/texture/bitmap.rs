@@ -58,8 +58,8 @@ fn luminance(colour: Rgb) -> f32 {
     }
 }
 
-/// The picture that the object's `filename` names, repeated in both directions and filtered. Unless `raw`, what a file of
-/// integers holds is decoded from sRGB.
+/// The picture that the object's `filename` names, repeated in both directions and filtered. Unless
+/// `raw`, what a file of integers holds is decoded from sRGB.
 pub(in crate::scene) fn picture(
     input: &mut Input,
     object: &Object,

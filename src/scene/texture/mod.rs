@@ -62,8 +62,8 @@ impl Textures {
         self.list.len() - 1
     }
 
-    /// The texture element `index` in the slot `key`, which was asked for at `place`. It is listed under its own id if it
-    /// stands in the scene, else as the first slot that uses it.
+    /// The texture element `index` in the slot `key`, which was asked for at `place`. It is listed
+    /// under its own id if it stands in the scene, else as the first slot that uses it.
     pub fn of(
         &mut self,
         input: &mut Input,

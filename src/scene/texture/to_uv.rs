@@ -4,7 +4,8 @@ use crate::scene::error::SceneError;
 use crate::scene::xml::Object;
 use glam::{Affine2, DMat2, DVec2};
 
-/// The part of the property's transform that acts on u and v. One that mixes them with the third axis is refused.
+/// The part of the property's transform that acts on u and v. One that mixes them with the third
+/// axis is refused.
 pub(super) fn to_uv(object: &Object) -> Result<Affine2, SceneError> {
     let whole = object.transform("to_uv")?;
     let [x, y, z] = [

@@ -1,4 +1,5 @@
-//! The scene file as a tree of plugins with typed properties: everything that is XML and not yet scene.
+//! The scene file as a tree of plugins with typed properties: everything that is XML and not yet
+//! scene.
 
 mod file;
 mod limits;

@@ -88,8 +88,8 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let Some((_, supported)) = KNOWN.iter().find(|k| k.0 == tag) else {
         return Err(format!("unknown element <{}>", shown(tag)));
     };
-    // The many variants of path replay backpropagation differ in gradients only, not in the image; the
-    // volumetric one does not.
+    // The many variants of path replay backpropagation differ in gradients only, not in the image;
+    // the volumetric one does not.
     let any_prb = tag == "integrator" && plugin.starts_with("prb") && !plugin.starts_with("prbvol");
     if supported.contains(&plugin) || any_prb {
         return Ok(());

@@ -230,8 +230,9 @@ impl Object {
         Ok(value.unwrap_or(DAffine3::IDENTITY))
     }
 
-    /// A colour without a texture: `rgb`, `srgb`, a plain `spectrum` or a `float`. A plain `spectrum` of an emitter
-    /// has equal energy at all wavelengths, of which the colour is not grey.
+    /// A colour without a texture: `rgb`, `srgb`, a plain `spectrum` or a `float`. A plain
+    /// `spectrum` of an emitter has equal energy at all wavelengths, of which the colour is not
+    /// grey.
     pub fn colour(&self, name: &str) -> Result<Option<[f64; 3]>, SceneError> {
         self.get(name, "rgb", |v| match v {
             Value::Rgb(c) => Some(*c),

@@ -26,8 +26,8 @@ impl Reader<'_> {
         self.refuse_cycles()
     }
 
-    /// An object that contains itself would never be finished. Objects in place are younger than what they
-    /// are in, so every cycle goes through a reference.
+    /// An object that contains itself would never be finished. Objects in place are younger than
+    /// what they are in, so every cycle goes through a reference.
     fn refuse_cycles(&self) -> Result<(), SceneError> {
         #[derive(Clone, Copy, PartialEq)]
         enum State {

@@ -3,7 +3,8 @@
 use crate::scene::nearest::{nearest, shown};
 use std::collections::BTreeMap;
 
-/// Longest attribute value after substitution: defaults built from defaults double in size each time.
+/// Longest attribute value after substitution: defaults built from defaults double in size each
+/// time.
 const LONGEST_VALUE_BYTES: usize = 1 << 20;
 
 /// The names that can stand after a `$`, and which `-D` were of use.

@@ -3,8 +3,8 @@
 use super::values::{number, numbers, tokens};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
-/// One operation, from its tag and attributes (already checked to be the known ones). The whole transform
-/// is the product with later operations on the left. Errors are sentences.
+/// One operation, from its tag and attributes (already checked to be the known ones). The whole
+/// transform is the product with later operations on the left. Errors are sentences.
 pub(super) fn operation(
     tag: &str,
     attribute: &dyn Fn(&str) -> Option<String>,

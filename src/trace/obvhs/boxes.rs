@@ -1,9 +1,10 @@
 //! Conservative tests of rays against boxes: what a triangle's test accepts is never culled.
 //!
-//! With ε = 2⁻²⁴ the distance to a plane, (plane − origin) / direction, is off by some three ε of its value, and the
-//! corner of a triangle, as [`super::triangle`] places it beside the ray, by some five ε of its distance from the
-//! origin. So boxes grow on all sides by [`PAD`] times their distance, more than both. The planes of a compressed node
-//! are p + q·e: growing by a thousandth of e covers also what was rounded when they were compressed.
+//! With ε = 2⁻²⁴ the distance to a plane, (plane − origin) / direction, is off by some three ε of
+//! its value, and the corner of a triangle, as [`super::triangle`] places it beside the ray, by
+//! some five ε of its distance from the origin. So boxes grow on all sides by [`PAD`] times their
+//! distance, more than both. The planes of a compressed node are p + q·e: growing by a thousandth
+//! of e covers also what was rounded when they were compressed.
 
 use super::ray::{Ray, inverse};
 use crate::lanes::F32x8;
@@ -15,8 +16,8 @@ const PAD: f32 = 1.0 / (1u32 << 20) as f32;
 /// The same for what lies 255 steps away, and a thousandth of a step.
 const STEP_PAD: f32 = 255.0 * PAD + 1.0 / 1024.0;
 
-/// Which children of a compressed node a ray meets before `tfar`, as obvhs's traversal takes them: a bit for each
-/// triangle of a leaf and for each node.
+/// Which children of a compressed node a ray meets before `tfar`, as obvhs's traversal takes them:
+/// a bit for each triangle of a leaf and for each node.
 #[inline(always)]
 pub fn wide_hits(node: &CwBvhNode, ray: &Ray, tfar: f32, octant: u32) -> u32 {
     let step = node.compute_extent().to_array();

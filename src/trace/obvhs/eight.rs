@@ -1,7 +1,7 @@
 //! Eight rays that go much the same way through a compressed tree at once.
 //!
-//! obvhs traces one ray at a time; this goes over its nodes in its order, with other tests. Answers are those of
-//! [`super::single`], number for number.
+//! obvhs traces one ray at a time; this goes over its nodes in its order, with other tests. Answers
+//! are those of [`super::single`], number for number.
 
 use super::boxes::Bundle;
 use super::lanes::lanes_of;
@@ -27,7 +27,8 @@ pub struct Eight<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Eight<'a, N> {
-    /// `None` if fewer than two of the lanes, a bit each, are asked, or they do not go the same way.
+    /// `None` if fewer than two of the lanes, a bit each, are asked, or they do not go the same
+    /// way.
     pub fn new(rays: &'a Rays<N>, at: usize, asked: u32) -> Option<Self> {
         let sound = |lane: &usize| asked >> lane & 1 == 1 && is_sound(rays, at + lane);
         let lanes = (0..8).filter(sound).fold(0, |all, lane| all | 1 << lane);

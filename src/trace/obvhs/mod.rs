@@ -1,8 +1,8 @@
 //! Ray queries over obvhs's trees, in Rust alone.
 //!
-//! The library builds the trees and says in which order to visit them; what is met is decided here, by conservative
-//! boxes ([`boxes`]) and watertight triangles ([`triangle`]), because its own tests leak at edges. Without
-//! [`AccelOptions::robust`] it is the library's own traversal ([`shipped`]).
+//! The library builds the trees and says in which order to visit them; what is met is decided here,
+//! by conservative boxes ([`boxes`]) and watertight triangles ([`triangle`]), because its own tests
+//! leak at edges. Without [`AccelOptions::robust`] it is the library's own traversal ([`shipped`]).
 
 mod boxes;
 mod eight;
@@ -28,8 +28,8 @@ use triangle::Triangle;
 /// The version of the library; a test compares it with `Cargo.lock`.
 pub const VERSION: &str = "0.4.0";
 
-/// Triangles with a coordinate beyond this are left out, as Embree leaves them out: squares of distances between
-/// others are finite.
+/// Triangles with a coordinate beyond this are left out, as Embree leaves them out: squares of
+/// distances between others are finite.
 const LARGEST_COORDINATE: f32 = 1.844e18;
 
 /// A tree and its triangles.
@@ -63,7 +63,8 @@ impl ObvhsScene {
         let triangles = gather(meshes)?;
         let total: usize = meshes.iter().map(|m| m.triangles.len()).sum();
         let is_partial = triangles.len() < total;
-        // A pool of its own, or one thread would become all of the machine's. The caller waits meanwhile.
+        // A pool of its own, or one thread would become all of the machine's. The caller waits
+        // meanwhile.
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads)
             .build()

@@ -3,8 +3,8 @@
 use crate::trace::Rays;
 use crate::trace::packet::LARGEST;
 
-/// Direction components smaller than this divide as if they were this large, so that no plane is at infinity times
-/// zero.
+/// Direction components smaller than this divide as if they were this large, so that no plane is at
+/// infinity times zero.
 const LEAST_COMPONENT: f32 = 1e-18;
 
 /// A ray with what every box and every triangle asks of it.

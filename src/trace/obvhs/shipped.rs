@@ -1,6 +1,7 @@
 //! obvhs as it ships, for rays that may leak: its traversal, its box test and its triangles.
 //!
-//! Boxes that a ray leaves within 10⁻⁴ of its direction's length are culled by the compressed tree's own test.
+//! Boxes that a ray leaves within 10⁻⁴ of its direction's length are culled by the compressed
+//! tree's own test.
 
 use super::single::{NOWHERE, Nearest};
 use super::tree::Tree;

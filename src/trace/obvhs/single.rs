@@ -32,8 +32,8 @@ impl Nearest {
         }
     }
 
-    /// Takes a triangle that is nearer; of two equally near, that of the lower number, so that the answer does not
-    /// depend on the tree.
+    /// Takes a triangle that is nearer; of two equally near, that of the lower number, so that the
+    /// answer does not depend on the tree.
     #[inline(always)]
     pub fn offer(&mut self, meeting: Meeting, place: u32, triangles: &[Triangle]) {
         let nearest = self.meeting.t;
@@ -148,7 +148,8 @@ pub fn any(tree: &Tree, triangles: &[Triangle], ray: &Ray, tfar: f32) -> bool {
     }
 }
 
-/// Visits the leaves whose boxes a ray meets, nearest first where that is known, until `visit` says no.
+/// Visits the leaves whose boxes a ray meets, nearest first where that is known, until `visit` says
+/// no.
 #[inline(always)]
 fn binary(
     bvh: &Bvh2,

@@ -6,7 +6,8 @@ use obvhs::faststack::FastStack;
 /// Entries kept without allocating: as many as compressed trees over real scenes need.
 const INLINE: usize = 24;
 
-/// A stack that no tree overflows: obvhs's own overwrites its last entry where a degenerate scene's tree is too deep.
+/// A stack that no tree overflows: obvhs's own overwrites its last entry where a degenerate scene's
+/// tree is too deep.
 pub struct Stack {
     entries: [UVec2; INLINE],
     length: usize,

@@ -47,7 +47,8 @@ impl Tree {
         }
     }
 
-    /// Which triangle lies where, in the order of the leaves. Spatial splits put one in several places.
+    /// Which triangle lies where, in the order of the leaves. Spatial splits put one in several
+    /// places.
     pub fn order(&self) -> &[u32] {
         match self {
             Self::Wide(bvh) => &bvh.primitive_indices,
@@ -94,7 +95,8 @@ fn bounds(triangles: &[Triangle]) -> Aabb {
     bounds
 }
 
-/// obvhs refits binary trees only. Children come after their parents, so that one pass backwards knows them first.
+/// obvhs refits binary trees only. Children come after their parents, so that one pass backwards
+/// knows them first.
 fn refit_wide(bvh: &mut CwBvh, triangles: &[Triangle]) {
     let mut exact = vec![Aabb::empty(); bvh.nodes.len()];
     for i in (0..bvh.nodes.len()).rev() {
@@ -119,7 +121,8 @@ fn refit_wide(bvh: &mut CwBvh, triangles: &[Triangle]) {
     }
 }
 
-/// Puts the boxes of a node's children on the finest grid of 255 steps, each a power of two, that holds them.
+/// Puts the boxes of a node's children on the finest grid of 255 steps, each a power of two, that
+/// holds them.
 fn compress(node: &mut CwBvhNode, whole: &Aabb, children: &[Aabb; 8]) {
     // As in building, so that flat nodes have steps too.
     const LEAST_EXTENT: f32 = 1e-20;

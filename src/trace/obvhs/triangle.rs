@@ -1,10 +1,12 @@
-//! A watertight test of triangles, after Woop, Benthin and Wald 2013 (Woop2013 in `docs/references.bib`).
+//! A watertight test of triangles, after Woop, Benthin and Wald 2013 (Woop2013 in
+//! `docs/references.bib`).
 //!
-//! The corners are moved and sheared so that the ray becomes an axis; what is left is whether the origin of a plane
-//! lies in a triangle. A corner's place in that plane is rounded, but for all triangles that share it alike, and the
-//! signs of the edge functions are exact: a rounded difference of two products has the right sign unless it is zero,
-//! and then it is taken again in f64, which holds products of f32 exactly. So what lies outside of a triangle lies on
-//! the right side of its neighbour, at edges and at corners: nothing gets through.
+//! The corners are moved and sheared so that the ray becomes an axis; what is left is whether the
+//! origin of a plane lies in a triangle. A corner's place in that plane is rounded, but for all
+//! triangles that share it alike, and the signs of the edge functions are exact: a rounded
+//! difference of two products has the right sign unless it is zero, and then it is taken again in
+//! f64, which holds products of f32 exactly. So what lies outside of a triangle lies on the right
+//! side of its neighbour, at edges and at corners: nothing gets through.
 
 use super::ray::{Ray, axes_from};
 use crate::lanes::F32x8;

@@ -5,8 +5,8 @@ use crate::trace::{Accel, AccelOptions, Backend, Coherence, Hits, MISS, Rays, al
 use common::shapes::*;
 use glam::Vec3;
 
-/// Rays from within a closed sphere at its vertices and at points of its edges: how many of each there
-/// were and how many got out.
+/// Rays from within a closed sphere at its vertices and at points of its edges: how many of each
+/// there were and how many got out.
 fn leaks(options: AccelOptions, coherence: Coherence) -> [(usize, usize); 2] {
     let mut random = Random::new(5);
     let shape = icosphere(4, Vec3::new(0.3, -0.2, 0.1), 1.0);
@@ -42,7 +42,8 @@ fn robust_mode_does_not_leak_through_edges() {
         let [(rays, vertices), (_, edges)] = leaks(options, coherence);
         assert_eq!(edges, 0, "{options:?}");
         match options.backend {
-            // Embree's robust test is not tight at a vertex that is hit to the last bit: 0.4 % get out.
+            // Embree's robust test is not tight at a vertex that is hit to the last bit: 0.4 % get
+            // out.
             Backend::Embree(..) => assert!(vertices < rays / 100, "{vertices} of {rays}"),
             Backend::Obvhs(..) => assert_eq!(vertices, 0, "{options:?}"),
         }

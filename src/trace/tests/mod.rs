@@ -17,8 +17,8 @@ fn views(shapes: &[Shape]) -> Vec<MeshView<'_>> {
         .collect()
 }
 
-/// Options for every way through the backends on this CPU: Embree's packets whole, split in native parts, or singly;
-/// obvhs's trees at every preset.
+/// Options for every way through the backends on this CPU: Embree's packets whole, split in native
+/// parts, or singly; obvhs's trees at every preset.
 fn every_way() -> Vec<AccelOptions> {
     let mut ways = Vec::new();
     for robust in [false, true] {

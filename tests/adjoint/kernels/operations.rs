@@ -31,8 +31,8 @@ pub fn extremes<F: Real>(a: F, b: F) -> F {
     low * F::splat(2.0) + high * high + a.min(F::splat(HALF)) + F::splat(0.7).max(b)
 }
 
-/// One name bound three times, each built from the one before; a value nobody reads; `t1` and `a_bar`
-/// as names, which the transformation would like for itself.
+/// One name bound three times, each built from the one before; a value nobody reads; `t1` and
+/// `a_bar` as names, which the transformation would like for itself.
 pub fn shadowing<F: Real>(a: F, b: F) -> F {
     let a_bar = a * b;
     let a = a * a_bar + b * b * a;

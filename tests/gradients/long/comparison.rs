@@ -1,4 +1,5 @@
-//! Finite differences with ten times the samples of the short tests: errors of less than a percent show.
+//! Finite differences with ten times the samples of the short tests: errors of less than a percent
+//! show.
 
 use common::comparison::Interior::Fails;
 use common::comparison::*;

@@ -31,7 +31,8 @@ fn a_job_that_cannot_fit_fails_and_the_others_run() {
 fn a_mesh_or_picture_that_cannot_fit_is_not_even_read() {
     let directory = workplace();
     let at = directory.path();
-    // A mesh file of 400 MB without a block on the disk, and a small file that says it is a large picture.
+    // A mesh file of 400 MB without a block on the disk, and a small file that says it is a large
+    // picture.
     std::fs::File::create(at.join("large.ply"))
         .unwrap()
         .set_len(400 << 20)

@@ -1,4 +1,5 @@
-//! The recipes of docs/scaling.md with the real programs, where they are installed: GNU parallel, Open MPI, Slurm.
+//! The recipes of docs/scaling.md with the real programs, where they are installed: GNU parallel,
+//! Open MPI, Slurm.
 
 use crate::jobs::{assert_same_files, of_all_kinds, run, write};
 use crate::workplace::workplace;

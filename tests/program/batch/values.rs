@@ -5,7 +5,8 @@ use crate::workplace::{SCENE, npy, workplace};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// What a job of this kind on scene `s.xml` gives with `set`, and what the single command gives on `scene`.
+/// What a job of this kind on scene `s.xml` gives with `set`, and what the single command gives on
+/// `scene`.
 fn both(at: &Path, kind: &Value, set: &Value, scene: &str) -> [Vec<f32>; 2] {
     std::fs::write(at.join("other.xml"), scene).unwrap();
     let job = |id: &str, scene: &str| {
@@ -164,7 +165,8 @@ fn the_same_vertices_are_the_same_scene_from_an_array_or_a_tensor() {
     assert!((1..4).all(|i| files(&at.join(format!("out/{i}"))) == first));
 }
 
-/// What a job's rays hit does not depend on the jobs whose structure it refits, nor on their number.
+/// What a job's rays hit does not depend on the jobs whose structure it refits, nor on their
+/// number.
 #[test]
 fn moved_vertices_give_the_same_bytes_in_any_order() {
     let directory = workplace();

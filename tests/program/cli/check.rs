@@ -66,7 +66,8 @@ fn interior_is_right_where_nothing_moves() {
     assert_eq!(code, Some(0), "{said}");
 }
 
-/// The floor's sides lie between two pixels, and the image has no derivative there: not the method's fault.
+/// The floor's sides lie between two pixels, and the image has no derivative there: not the
+/// method's fault.
 #[test]
 fn edges_between_pixels_of_a_box_filter_are_explained() {
     let (code, _, said) = check("-D filter=box --param cam.translation=1,0,0");

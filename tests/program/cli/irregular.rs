@@ -8,7 +8,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Address space of the program: what reads on without end fails for want of it rather than taking the machine's.
+/// Address space of the program: what reads on without end fails for want of it rather than taking
+/// the machine's.
 const KILOBYTES: u32 = 2_000_000;
 
 /// Far more than any of these take, and less than a pipe that nobody writes into.

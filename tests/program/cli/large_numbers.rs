@@ -1,4 +1,5 @@
-//! Numbers beyond single precision: no file ever holds what is not finite, and what can be computed is.
+//! Numbers beyond single precision: no file ever holds what is not finite, and what can be computed
+//! is.
 
 use crate::workplace::{expect, floats, npy, text, typed, warpath};
 use std::path::Path;
@@ -113,7 +114,8 @@ fn gradient(directory: &Path, line: &str, key: &str) -> Vec<f64> {
     values.into_iter().map(f64::from).collect()
 }
 
-/// A loss that is quadratic in the radiance has a derivative that is linear in it, with the same samples.
+/// A loss that is quadratic in the radiance has a derivative that is linear in it, with the same
+/// samples.
 #[test]
 fn losses_may_be_larger_than_single_precision() {
     let directory = place();

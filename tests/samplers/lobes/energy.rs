@@ -1,4 +1,5 @@
-//! White furnaces: bounces carry as much as the BSDF reflects and transmits, and never more than arrives.
+//! White furnaces: bounces carry as much as the BSDF reflects and transmits, and never more than
+//! arrives.
 
 use super::formulas::*;
 use common::materials::Paint;
@@ -13,8 +14,8 @@ const DEGREES: [f64; 4] = [1.0, 45.0, 70.0, 85.0];
 /// Independent streams of stratified points.
 const STREAMS: u32 = 32;
 const POINTS: u32 = 1 << 10;
-/// Of 32 means, this many standard errors are met by chance once in 10⁵ times (Student's t, 31 degrees of freedom); there
-/// are some 400 numbers.
+/// Of 32 means, this many standard errors are met by chance once in 10⁵ times (Student's t, 31
+/// degrees of freedom); there are some 400 numbers.
 const SIGMAS: f64 = 5.3;
 /// What quadrature and single precision leave. Of rough plastics also the tables' interpolation.
 const ROUNDING: f64 = 5e-4;
@@ -156,7 +157,8 @@ fn glass_carries_what_its_bsdf_says() {
     }
 }
 
-/// Radiance that crosses is squeezed by η²: without that, white glass keeps all light if it is smooth.
+/// Radiance that crosses is squeezed by η²: without that, white glass keeps all light if it is
+/// smooth.
 #[test]
 fn smooth_glass_keeps_all_light() {
     let white = [
@@ -202,7 +204,8 @@ fn rough_plastic_reflects_what_its_bsdf_says() {
     }
 }
 
-/// White plastic reflects everything, up to the fit of what comes back from inside; coloured plastic by its formula.
+/// White plastic reflects everything, up to the fit of what comes back from inside; coloured
+/// plastic by its formula.
 #[test]
 fn smooth_plastic_reflects_what_its_bsdf_says() {
     for (colour, nonlinear) in [

@@ -56,8 +56,9 @@ fn bounces_are_finite_and_carry_no_more_than_arrives() {
                     );
                     let w = b.weight;
                     assert!(w.is_finite() && w.min_element() >= 0.0, "{place}: {w}");
-                    // Beckmann's lobe is at most 4/e times that of GGX, from which normals are drawn; its fit
-                    // of G₁ is up to 3.535/2 times GGX's. Plastics' lobes are drawn with other chances than theirs.
+                    // Beckmann's lobe is at most 4/e times that of GGX, from which normals are
+                    // drawn; its fit of G₁ is up to 3.535/2 times GGX's. Plastics' lobes are drawn
+                    // with other chances than theirs.
                     let chance = if what == "plastic" { 10.0 } else { 1.0 };
                     assert!(w.max_element() <= 2.61 * most * chance, "{place}: {w}");
                     sums[lane] += w.max_element() / (STREAMS * POINTS) as f32;

@@ -1,4 +1,5 @@
-//! BSDF times cosine of the materials of `common::materials`, by the formulas of `docs/mitsuba_conventions.md`.
+//! BSDF times cosine of the materials of `common::materials`, by the formulas of
+//! `docs/mitsuba_conventions.md`.
 
 use common::optics::*;
 use glam::{DVec3, dvec3};
@@ -57,8 +58,8 @@ impl Rough {
         PLASTIC_REFLECTS * dielectric(cos, ETA) * shape
     }
 
-    /// Reflection (`o` above the horizon) and transmission of glass; `ratio` is the index beyond over that on the side of
-    /// `i`.
+    /// Reflection (`o` above the horizon) and transmission of glass; `ratio` is the index beyond
+    /// over that on the side of `i`.
     pub fn glass(&self, i: DVec3, o: DVec3, ratio: f64) -> DVec3 {
         if o.z > 0.0 {
             let (shape, cos) = self.reflection(i, o);

@@ -1,4 +1,5 @@
-//! What surfaces do with light: energy, reciprocity, and that all parts of the engine mean the same BSDF.
+//! What surfaces do with light: energy, reciprocity, and that all parts of the engine mean the same
+//! BSDF.
 
 mod beams;
 mod energy;

@@ -1,4 +1,5 @@
-//! Light takes the same way in both directions, and bounces carry what the BSDF's value says: kernels in f64.
+//! Light takes the same way in both directions, and bounces carry what the BSDF's value says:
+//! kernels in f64.
 
 use super::formulas::*;
 use common::optics::*;

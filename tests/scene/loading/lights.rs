@@ -65,8 +65,9 @@ fn environment_maps_turn_and_scale() {
     );
 }
 
-/// Mitsuba's RGB mode takes one value of an emitter's `spectrum` for equal energy at all wavelengths, which is reddish in
-/// sRGB; other slots take it for grey (checked with `mi.traverse` of Mitsuba 3.9.1).
+/// Mitsuba's RGB mode takes one value of an emitter's `spectrum` for equal energy at all
+/// wavelengths, which is reddish in sRGB; other slots take it for grey (checked with `mi.traverse`
+/// of Mitsuba 3.9.1).
 #[test]
 fn spectra_of_emitters_are_no_greys() {
     let value = |inside: &str, key: &str| {

@@ -42,7 +42,8 @@ fn colour(scene: &Scene, material: usize) -> Rgb {
     scene.constant(texture.expect("a colour"))
 }
 
-/// A picture file of 32-bit floating-point numbers (PFM, bottom row first) with `colour` at each column and row from the top.
+/// A picture file of 32-bit floating-point numbers (PFM, bottom row first) with `colour` at each
+/// column and row from the top.
 fn floats(width: u32, height: u32, colour: impl Fn(u32, u32) -> Rgb) -> Vec<u8> {
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
     for y in (0..height).rev() {

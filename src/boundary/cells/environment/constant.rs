@@ -1,5 +1,6 @@
-//! Silhouettes before a constant environment, as seen from diffuse surfaces at the last vertex: all that matters on a line is
-//! where it is hidden, so that its points are occlusion queries and all lanes of a packet have lines.
+//! Silhouettes before a constant environment, as seen from diffuse surfaces at the last vertex: all
+//! that matters on a line is where it is hidden, so that its points are occlusion queries and all
+//! lanes of a packet have lines.
 
 use crate::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
 use crate::boundary::cells::lobe::vertex::{FAMILIES, LobeSearch};
@@ -13,7 +14,8 @@ use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// Finds what hides a constant environment from diffuse lanes at their last bounce; those in `free` see it.
+/// Finds what hides a constant environment from diffuse lanes at their last bounce; those in `free`
+/// see it.
 pub fn find(search: &mut LobeSearch, free: u32) {
     let Some(environment) = &search.scene.view.scene.environment else {
         return;
@@ -85,8 +87,8 @@ fn shadows(search: &mut LobeSearch, lane: usize, line: &Line, is_open: &[bool], 
     }
 }
 
-/// Where another bounce lies on its line, from two uniform numbers: sin ψ is a coordinate of a point of the disk, over which
-/// cosine-distributed directions are uniform.
+/// Where another bounce lies on its line, from two uniform numbers: sin ψ is a coordinate of a
+/// point of the disk, over which cosine-distributed directions are uniform.
 fn bounce_on_line([u, v]: [f64; 2]) -> f64 {
     (u.sqrt() * (v * TAU).cos()).asin()
 }
@@ -109,8 +111,8 @@ impl ShadowLine for Line {
         f32::INFINITY
     }
 
-    fn runs(&self, borders: &[f64]) -> Intervals {
-        Line::runs(self, borders)
+    fn intervals(&self, borders: &[f64]) -> Intervals {
+        Line::intervals(self, borders)
     }
 }
 
@@ -119,7 +121,7 @@ mod tests {
     use super::bounce_on_line;
     use std::f64::consts::FRAC_1_PI;
 
-    /// The density of a bounce on its line is 2/π cos²ψ, as `Line::runs` has it.
+    /// The density of a bounce on its line is 2/π cos²ψ, as `Line::intervals` has it.
     #[test]
     fn bounces_lie_on_lines_as_their_density_says() {
         const SIDE: usize = 1000;

@@ -1,6 +1,8 @@
-//! Where something begins to hide an environment map, seen from a vertex: in the map's own coordinates.
+//! Where something begins to hide an environment map, seen from a vertex: in the map's own
+//! coordinates.
 //!
-//! As `boundary::cells::light` for area lights. The jump is the map's radiance where the silhouette is.
+//! As `boundary::cells::light` for area lights. The jump is the map's radiance where the silhouette
+//! is.
 
 use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
 use crate::boundary::inclusion::Intervals;
@@ -209,8 +211,8 @@ impl<'a> MapLine<'a> {
         Some(own)
     }
 
-    /// Its ends, jittered points, and one anywhere: without that there would be shadows that are never found, as on lights
-    /// (`boundary::cells::light`).
+    /// Its ends, jittered points, and one anywhere: without that there would be shadows that are
+    /// never found, as on lights (`boundary::cells::light`).
     fn points(&self, [jitter, extra]: [f64; 2]) -> Vec<f64> {
         let [low, high] = self.ends;
         let mut psi: Vec<f64> = (0..INNER_POINTS)
@@ -243,7 +245,7 @@ impl ShadowLine for MapLine<'_> {
         f32::INFINITY
     }
 
-    fn runs(&self, borders: &[f64]) -> Intervals {
+    fn intervals(&self, borders: &[f64]) -> Intervals {
         let power = |psi: &f64| self.distribution.power_below(&self.line, *psi);
         let places = borders.iter().map(|psi| power(psi) * INNER_POINTS as f64);
         Intervals::with_extra(places.collect(), borders.iter().map(power))

@@ -130,8 +130,8 @@ impl FilmCell<'_> {
         PROBE_PIXELS.min(MOST_PROBE * self.cells.film.tile.step[self.line.axis])
     }
 
-    /// How near to an edge of what its ends see probes look at most, in pixels: what they have between them are edges
-    /// of their own, however fine the mesh.
+    /// How near to an edge of what its ends see probes look at most, in pixels: what they have
+    /// between them are edges of their own, however fine the mesh.
     fn nearest_pixels(&self) -> f64 {
         let view = self.cells.scene.view;
         let origin = view.camera.origin.as_dvec3();

@@ -1,13 +1,15 @@
 //! What the camera sees: where the radiance jumps along the rows and columns of a tile's lattice.
 //!
-//! The same cells as for light (`boundary::cells::light`), on the film: between two neighbours of a lattice row the
-//! interval of film is shifted rigidly with the silhouette that lies in it, and what the change of variables leaves is the
-//! jump of the radiance times the silhouette's speed. Rows give the speed's part along x, columns the part along y. The
-//! pixel filter multiplies the jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is
-//! as good as a smooth one, and no kernel blurs the image.
+//! The same cells as for light (`boundary::cells::light`), on the film: between two neighbours of a
+//! lattice row the interval of film is shifted rigidly with the silhouette that lies in it, and
+//! what the change of variables leaves is the jump of the radiance times the silhouette's speed.
+//! Rows give the speed's part along x, columns the part along y. The pixel filter multiplies the
+//! jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is as
+//! good as a smooth one, and no kernel blurs the image.
 //!
-//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share their random numbers,
-//! as a correlated pair: at an edge of a flat-shaded surface both see the same light sample, and only the normals differ.
+//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share
+//! their random numbers, as a correlated pair: at an edge of a flat-shaded surface both see the
+//! same light sample, and only the normals differ.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::weights::{self, ROUNDS};

@@ -10,8 +10,8 @@ use std::collections::BTreeSet;
 /// Silhouettes behind one another that are looked for in one cell.
 pub const ROUNDS: u32 = 4;
 
-/// Weighs what was met by one over the chance of meeting it. What lies in the cells in `skipped` is not among the borders
-/// yet.
+/// Weighs what was met by one over the chance of meeting it. What lies in the cells in `skipped` is
+/// not among the borders yet.
 pub fn weigh<'a>(
     cells: &LatticeCells<'a>,
     search: &mut LineSearch<FilmCell<'a>>,
@@ -39,7 +39,7 @@ pub fn weigh<'a>(
             }
         }
         let on_film = OnFilm { cells, line };
-        let mut runs = InclusionByWalks::new(
+        let mut intervals = InclusionByWalks::new(
             cells.scene,
             &on_film,
             search.borders.remove(&line).unwrap_or_default(),
@@ -49,9 +49,9 @@ pub fn weigh<'a>(
             let steps = steps(met);
             met.jump /= if met.is_silhouette {
                 let first = steps.floor();
-                runs.inclusion_of_border(steps, [first, first + 1.0])
+                intervals.inclusion_of_border(steps, [first, first + 1.0])
             } else {
-                runs.inclusion_of_ridge(steps)
+                intervals.inclusion_of_ridge(steps)
             };
         }
     }

@@ -1,12 +1,12 @@
 //! Lines over the hemisphere on which silhouettes are looked for.
 //!
-//! A line is a half great circle from −P to P through a direction M across P: d(ψ) = P·sin ψ + M·cos ψ. With φ turning M about P the
-//! measure is dω = cos ψ dψ dφ. A line drawn with density p(φ) that a silhouette crosses with angular speed ψ̇ contributes
-//! (L₋ − L₊)·f cosθ·ψ̇·cos ψ/p(φ).
+//! A line is a half great circle from −P to P through a direction M across P: d(ψ) = P·sin ψ +
+//! M·cos ψ. With φ turning M about P the measure is dω = cos ψ dψ dφ. A line drawn with density
+//! p(φ) that a silhouette crosses with angular speed ψ̇ contributes (L₋ − L₊)·f cosθ·ψ̇·cos ψ/p(φ).
 //!
-//! Two families of lines are used, about two orthogonal axes P. Each could find every silhouette, so they are
-//! combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along the line: that removes the 1/F_f of
-//! ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
+//! Two families of lines are used, about two orthogonal axes P. Each could find every silhouette,
+//! so they are combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along
+//! the line: that removes the 1/F_f of ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
 //!
 //! **Diffuse crate::boundary::inclusion::Intervals;
 use crate::boundary::inclusion::Intervals;
@@ -23,8 +23,8 @@ use crate::paths::surface::lobe_sample::{View, frame_of_lane};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-/// Points on a line besides its two ends on the horizon, and the bounce if it lies on it: jittered, so that no silhouette
-/// hides between the same two points for all vertices.
+/// Points on a line besides its two ends on the horizon, and the bounce if it lies on it: jittered,
+/// so that no silhouette hides between the same two points for all vertices.
 pub const INNER_POINTS: usize = 4;
 /// No lobe is taken for narrower (radians).
 const NARROWEST: f64 = 1e-4;
@@ -163,7 +163,8 @@ impl<'a> LaneSurface<'a> {
         (dvec3(next), dvec3(weight))
     }
 
-    /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times cosine there.
+    /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times
+    /// cosine there.
     pub fn value(&mut self, d: DVec3) -> Option<(DVec3, DVec3)> {
         let wi = -self.direction.normalize();
         let (coordinate, density) = match self.lobe {
@@ -256,8 +257,8 @@ impl Line {
         (psi, place)
     }
 
-    /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points. `None` if all of it lies below the
-    /// horizon.
+    /// A line through a rough surface's lobe: `place` in [0, 1) draws it, `jitter` its points.
+    /// `None` if all of it lies below the horizon.
     pub fn lobe(at: &LaneSurface, axis: usize, place: f64, jitter: f64) -> Option<Self> {
         // Where all light is reflected there is no other direction; any will do.
         let main = at.bounce(DVec3::Z).0.normalize();
@@ -314,8 +315,10 @@ impl Line {
         })
     }
 
-    /// Where it crosses the plane of the triangle that it starts on, whose normal this is, and its parts before and beyond that; `None` where all
-    /// of it lies on one side. Rays leave on one side or the other, so that what they see jumps there. Shading normals are why a line crosses that plane.
+    /// Where it crosses the plane of the triangle that it starts on, whose normal this is, and its
+    /// parts before and beyond that; `None` where all of it lies on one side. Rays leave on one
+    /// side or the other, so that what they see jumps there. Shading normals are why a line crosses
+    /// that plane.
     pub fn cut(&self, geometric: DVec3) -> Option<(f64, [Self; 2])> {
         let at = -(self.middle.dot(geometric) / self.pole.dot(geometric)).atan();
         let (&first, &last) = (self.psi.first()?, self.psi.last()?);
@@ -361,22 +364,23 @@ impl Line {
         }
     }
 
-    /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f cosθ, if F = `c`·d.
+    /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f
+    /// cosθ, if F = `c`·d.
     pub fn crossing_weight(&self, c: DVec3, d: DVec3) -> Option<f64> {
         Some(line_weight(self.poles, self.axis, c, d)? * self.inverse_density)
     }
 
-    /// The runs between borders at these ψ, increasing.
-    pub fn runs(&self, psi: &[f64]) -> Intervals {
+    /// The intervals between borders at these ψ, increasing.
+    pub fn intervals(&self, psi: &[f64]) -> Intervals {
         let places = psi.iter().map(|&psi| self.place(psi)).collect();
         // The density of the bounce on its line is 2/π cos²ψ.
         let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
         let ends = psi.iter().map(|&psi| below(psi));
-        let mut runs = Intervals::with_extra(places, ends);
+        let mut intervals = Intervals::with_extra(places, ends);
         if !self.through_bounce {
-            runs.extra.fill(0.0);
+            intervals.extra.fill(0.0);
         }
-        runs
+        intervals
     }
 
     /// Of a ψ in distances of the jittered points.
@@ -389,8 +393,8 @@ impl Line {
     }
 }
 
-/// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since the directions of its
-/// ends are rounded and must not leave on the other side of the surface.
+/// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since
+/// the directions of its ends are rounded and must not leave on the other side of the surface.
 pub fn above_horizon(pole: DVec3, middle: DVec3, n: DVec3) -> Option<[f64; 2]> {
     // n·d = A sin ψ + B cos ψ changes sign once, at an end if the pole lies on the horizon.
     let (a, b) = (pole.dot(n), middle.dot(n));
@@ -406,8 +410,8 @@ pub fn above_horizon(pole: DVec3, middle: DVec3, n: DVec3) -> Option<[f64; 2]> {
     (high - low > 3.0 * RIM).then_some([low + RIM, high - RIM])
 }
 
-/// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at `d`; `None` where it does
-/// not cross.
+/// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at
+/// `d`; `None` where it does not cross.
 pub fn line_weight(poles: [DVec3; 2], axis: usize, c: DVec3, d: DVec3) -> Option<f64> {
     let along = poles.map(|pole| {
         let toward = pole - d * d.dot(pole);

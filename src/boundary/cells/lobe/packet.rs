@@ -1,7 +1,8 @@
 //! Lines over the hemisphere of a vertex that other surfaces surround.
 //!
-//! What lies beyond a silhouette has to be known here: the ends of cells are first hits, silhouettes are walked to from both, and a
-//! path is traced on either side of each (`boundary::cells::lobe::search`).
+//! What lies beyond a silhouette has to be known here: the ends of cells are first hits,
+//! silhouettes are walked to from both, and a path is traced on either side of each
+//! (`boundary::cells::lobe::search`).
 
 use super::line::{LaneSurface, Line, Lobe};
 use super::search::{self, LinePart, PROBES_OF_PART, Way};
@@ -16,11 +17,12 @@ use crate::paths::estimator::{Bounce, BounceEnd};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
 
-/// Samples of a tile are fewer than two to this; above it, probes of one line are numbered. So the first probes of
-/// neighbours have neighbouring indices, which are well spread.
+/// Samples of a tile are fewer than two to this; above it, probes of one line are numbered. So the
+/// first probes of neighbours have neighbouring indices, which are well spread.
 const INDEX_BITS: u32 = 22;
 
-/// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is drawn for all lanes.
+/// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is
+/// drawn for all lanes.
 pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
     let (view, numbers) = (scene.view, &at.numbers);
     let (jitter, _) = numbers.pair(Pair::LobeLine);
@@ -38,8 +40,8 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
     };
     let environment = view.scene.environment.as_ref();
     let is_even = environment.is_none_or(|e| e.map.is_none()) && at.vertices.kinds.special() == 0;
-    // Where only an constant environment shines a line needs no more than occlusion; else every line costs walks over
-    // whatever is seen, and one lane stands for all.
+    // Where only an constant environment shines a line needs no more than occlusion; else every
+    // line costs walks over whatever is seen, and one lane stands for all.
     if at_last && is_even {
         if environment.is_some() {
             let free = match bounce.seen {
@@ -55,8 +57,9 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
     }
 }
 
-/// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all. But where narrow lobes
-/// of a packet see different meshes, a silhouette is near, and all its lanes look for it.
+/// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all.
+/// But where narrow lobes of a packet see different meshes, a silhouette is near, and all its lanes
+/// look for it.
 fn among_surfaces(search: &mut LobeSearch) {
     let At {
         vertices, numbers, ..

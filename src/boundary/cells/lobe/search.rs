@@ -1,4 +1,5 @@
-//! What lies on one line over the hemisphere of a vertex: searched for, and looked at from both sides.
+//! What lies on one line over the hemisphere of a vertex: searched for, and looked at from both
+//! sides.
 
 use super::line::{LaneSurface, Line};
 use super::vertex::{FAMILIES, LobeSearch};
@@ -35,7 +36,8 @@ pub struct Way<'a> {
     pub stream: &'a Stream,
 }
 
-/// A line, or a part of one, all of which lies on one side of the triangle it starts on; and its random numbers.
+/// A line, or a part of one, all of which lies on one side of the triangle it starts on; and its
+/// random numbers.
 pub struct LinePart<'a> {
     pub line: &'a Line,
     /// Uniform, for each cell.
@@ -80,21 +82,22 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
         met, mut borders, ..
     } = on_line;
     let borders = borders.remove(&()).unwrap_or_default();
-    let mut runs = InclusionByWalks::new(scene, &from_here, borders, |psi| line.runs(&psi));
+    let mut intervals =
+        InclusionByWalks::new(scene, &from_here, borders, |psi| line.intervals(&psi));
     for met in met {
         let psi = met.cell.coordinate(met.s);
         let chance = if met.is_silhouette {
-            runs.inclusion_of_border(psi, met.cell.ends)
+            intervals.inclusion_of_border(psi, met.cell.ends)
         } else {
-            runs.inclusion_of_ridge(psi)
+            intervals.inclusion_of_ridge(psi)
         };
         let jump = met.jump * (FAMILIES * way.weight / chance);
         search.push(at, line, met.boundary, line.direction(psi), jump);
     }
 }
 
-/// The jump where a line crosses the plane of the triangle it starts on, which turns with the triangle: at `psi`, between
-/// the two parts of the line.
+/// The jump where a line crosses the plane of the triangle it starts on, which turns with the
+/// triangle: at `psi`, between the two parts of the line.
 pub fn on_own_plane(
     search: &mut LobeSearch,
     at: &mut LaneSurface,
@@ -125,7 +128,8 @@ pub fn on_own_plane(
     }
 }
 
-/// Radiance from these directions, and the triangles that all sides see, with the random numbers of these indices.
+/// Radiance from these directions, and the triangles that all sides see, with the random numbers of
+/// these indices.
 fn look(
     scene: &SearchScene,
     here: &At,

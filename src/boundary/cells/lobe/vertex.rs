@@ -1,8 +1,10 @@
-//! What a surface sees: where the radiance jumps over the hemisphere above a vertex, or below it where it refracts.
+//! What a surface sees: where the radiance jumps over the hemisphere above a vertex, or below it
+//! where it refracts.
 //!
-//! The narrow kernels and spherical convolutions of Loubet et al. (2019) exist because their rotations need
-//! a small support. A cell needs none: as on the film and on the lights, the hemisphere is cut along lines
-//! (`boundary::cells::lobe::line`), whose points are the ends of cells.
+//! The narrow kernels and spherical convolutions of Loubet et al. (2019) exist because their
+//! rotations need a small support. A cell needs none: as on the film and on the lights, the
+//! hemisphere is cut along lines (`boundary::cells::lobe::line`), whose points are the ends of
+//! cells.
 
 use super::line::{LaneSurface, Line};
 use crate::boundary::search_scene::SearchScene;

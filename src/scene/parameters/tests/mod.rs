@@ -42,8 +42,8 @@ const SCENE: &str = r#"<scene version="3.0.0">
   <shape type="cube" id="frost"><bsdf type="roughdielectric"/></shape>
 </scene>"#;
 
-/// The loaded scene, with pictures put into it: a bitmap in place of the reflectance of `computed`, a grey one with a
-/// `nearest` filter as the roughness of `frost`, and an environment map.
+/// The loaded scene, with pictures put into it: a bitmap in place of the reflectance of `computed`,
+/// a grey one with a `nearest` filter as the roughness of `frost`, and an environment map.
 fn scene() -> Scene {
     let mut scene = loaded();
     let mut random = Random(3);
