@@ -80,7 +80,7 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
         );
         for texture in &scene.textures {
             let to_uv = texture.layout.to_uv().unwrap_or_default();
-            out.extend(surfaces::rows(to_uv).map(f64::from));
+            out.extend(to_uv::rows(to_uv).map(f64::from));
         }
         let map = scene.environment.as_ref().and_then(|e| e.map);
         out.push(map.map_or(0.0, |m| f64::from(m.scale)));
