@@ -92,7 +92,7 @@ impl Check {
                 self.reference.runs(),
                 "finite differences",
             ),
-            false => (Kind::Forward, self.tested.runs(), "forward mode"),
+            false => (Kind::Forward, self.tested.runs(), "forward"),
         };
         if runs >= most {
             return false;
@@ -173,7 +173,7 @@ impl Check {
         Ok(done)
     }
 
-    /// Runs reverse mode on a fixed adjoint image and compares the two ways to the same number.
+    /// Runs backward from a fixed adjoint image and compares the two ways to the same number.
     /// `conceivable` is what a pixel's derivative would be if all of it came and went in a step of
     /// finite differences.
     pub fn transpose(
