@@ -2,9 +2,11 @@
 
 pub mod cases;
 pub mod chart;
+mod contestant;
 mod machine;
 mod measure;
 pub mod meshes;
+mod number;
 pub mod rays;
 mod run;
 pub mod table;

@@ -184,7 +184,7 @@ fn lamps(case: &Case) -> Vec<[Vec3; 3]> {
     .collect()
 }
 
-/// Towards a point of a lamp; without lamps, towards the sky.
+/// Towards a point of a lamp; without lamps, anywhere.
 fn shadow(seen: Seen, lamps: &[[Vec3; 3]], random: &mut Random) -> Ray {
     let at = (random.unit() * lamps.len() as f32) as usize;
     match lamps.get(at) {

@@ -1,10 +1,12 @@
 //! All that is measured on one case.
 
 use super::cases::Case;
-use super::measure::{Budget, Passes, Record, timed};
+use super::contestant::{Contestant, is_first_of_library};
+use super::measure::{Budget, Record, timed};
+use super::number::Number;
 use super::rays::{RAYS, Workload, workloads};
 use crate::methods::{self, EngineError, Method, Progress, Settings};
-use crate::trace::{Accel, AccelOptions, Backend, EmbreeIsa, MeshView, ObvhsTree, TraceError};
+use crate::trace::{Accel, AccelOptions, Backend, MeshView, TraceError};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,41 +23,6 @@ pub struct Plan {
     pub budget: Budget,
     /// Beside one thread.
     pub threads: usize,
-}
-
-/// One way of building and tracing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contestant {
-    pub backend: Backend,
-    pub robust: bool,
-}
-
-impl Contestant {
-    /// Every backend as renderers use it, then those whose rays may leak, as the libraries ship.
-    pub fn all() -> Vec<Self> {
-        let built_in = Backend::built_in();
-        let leaky = built_in.iter().filter(|b| is_first_of_library(**b));
-        let leaky = leaky.map(|&backend| Self {
-            backend,
-            robust: false,
-        });
-        let robust = built_in.iter().map(|&backend| Self {
-            backend,
-            robust: true,
-        });
-        robust.chain(leaky).collect()
-    }
-
-    fn options(self, threads: usize) -> AccelOptions {
-        AccelOptions::new(self.robust, threads).on(self.backend)
-    }
-}
-
-fn is_first_of_library(backend: Backend) -> bool {
-    matches!(
-        backend,
-        Backend::Embree(EmbreeIsa::Best, _) | Backend::Obvhs(ObvhsTree::Cwbvh, _)
-    )
 }
 
 /// Measures everything on `case`, handing each number to `put` as it comes.
@@ -321,24 +288,6 @@ fn trace(
         passes: passes.count(),
         rays: Some(hits),
     })
-}
-
-struct Number {
-    unit: &'static str,
-    summary: [f64; 3],
-    passes: usize,
-    rays: Option<u64>,
-}
-
-impl Number {
-    fn milliseconds(passes: &Passes) -> Self {
-        Self {
-            unit: "ms",
-            summary: passes.summary(|seconds| 1e3 * seconds),
-            passes: passes.count(),
-            rays: None,
-        }
-    }
 }
 
 fn failed(error: TraceError) -> EngineError {

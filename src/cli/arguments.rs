@@ -59,7 +59,7 @@ pub enum Command {
     /// Lists every parameter with its shape, flags and present value
     #[command(after_help = "Example: warpath params scene.xml --json")]
     Params(ParamsArguments),
-    /// Forward mode: the gradient image dI/dθ along one direction
+    /// Forward: the gradient image dI/dθ along one direction
     ///
     /// Writes gradient.exr, gradient.npy, gradient.png (blue below zero, red above, the scale in
     /// the picture), stderr.npy and image.exr.
@@ -67,7 +67,7 @@ pub enum Command {
         after_help = "Example: warpath forward scene.xml --param ball.translation=1,0,0 --param cam.x_fov=0.5 --spp 64"
     )]
     Forward(ForwardArguments),
-    /// Reverse mode: gradients of a loss for all the keys in one pass
+    /// Backward: gradients of a loss for all the keys in one pass
     ///
     /// Writes gradients.safetensors and gradients.npz (one tensor a key, KEY#se its standard error)
     /// and image.exr.

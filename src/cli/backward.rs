@@ -15,7 +15,7 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
     let method = session::method(&arguments.method)?;
     if !method.has_reverse_mode() {
         return Err(Failure::Usage(format!(
-            "--method {} has no reverse mode; use it with forward, or use check",
+            "--method {} does not run backward; use it with forward, or use check",
             method.name()
         )));
     }

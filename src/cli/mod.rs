@@ -6,7 +6,6 @@ mod batch;
 mod batch_progress;
 mod bench;
 mod check;
-mod check_results;
 mod completions;
 mod exit;
 mod forward;
@@ -20,7 +19,6 @@ mod report;
 mod session;
 mod signals;
 mod values;
-mod verdict;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -23,8 +23,8 @@ pub struct Report {
     pub method: Option<&'static str>,
     pub backend: String,
     pub threads: usize,
-    /// By stage. `primal` traces paths and finds silhouettes, `adjoint` differentiates them, in
-    /// forward mode too; the threads do both in turn, and the time is parted by what each took.
+    /// By stage. `primal` traces paths and finds silhouettes, `adjoint` differentiates them,
+    /// forward as well; the threads do both in turn, and the time is parted by what each took.
     /// `total` is the whole run.
     pub seconds: BTreeMap<String, f64>,
     pub rays: BTreeMap<String, u64>,

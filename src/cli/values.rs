@@ -23,7 +23,7 @@ pub fn tangent(text: &str) -> Result<Tangent, String> {
     Ok((key, value))
 }
 
-/// A key alone: reverse mode takes no direction.
+/// A key alone: backward takes no direction.
 pub fn bare_key(text: &str) -> Result<String, String> {
     match text.split_once('=') {
         None => non_empty_key(text),

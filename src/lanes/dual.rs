@@ -1,5 +1,5 @@
-//! Dual numbers: a value and its tangent, over any lane type. Kernels run over them are forward
-//! mode.
+//! Dual numbers: a value and its tangent, over any lane type. Kernels that run over them
+//! differentiate forward.
 
 use super::Real;
 use std::ops::{Add, Div, Mul, Neg, Sub};

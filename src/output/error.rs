@@ -16,7 +16,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// A failure of the machine while working on `path`.
+    /// A failure of the system while working on `path`.
     pub fn io(path: impl Into<PathBuf>, what: impl ToString) -> Self {
         Self::Io {
             path: path.into(),

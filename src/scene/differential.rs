@@ -3,8 +3,7 @@
 use super::{Normals, Rgb, Scene};
 use glam::Vec3;
 
-/// dScene/dθ in forward mode, dLoss/dScene in reverse. What is `None` does not move, or is not
-/// asked for.
+/// Forward dScene/dθ, backward dLoss/dScene. What is `None` does not move, or is not asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDifferential {
     /// Per mesh, per vertex; world units.

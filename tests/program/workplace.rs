@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// A square lit by the sky and a smaller one over it, small enough to load in no time.
+/// A square lit by a constant environment and a smaller one over it, small enough to load in no
+/// time.
 pub const SCENE: &str = r#"<scene version="3.0.0">
   <default name="side" value="8"/><default name="count" value="4"/>
   <default name="filter" value="box"/>

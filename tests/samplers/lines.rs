@@ -43,9 +43,9 @@ impl Run {
         if psi[0] > from || psi[psi.len() - 1] < to {
             return;
         }
-        let runs = line.runs(&self.ends);
-        let met = (runs.places[1] - runs.places[0]).min(1.0);
-        self.chance = 1.0 - (1.0 - met) * (1.0 - runs.extra[1]);
+        let intervals = line.intervals(&self.ends);
+        let met = (intervals.places[1] - intervals.places[0]).min(1.0);
+        self.chance = 1.0 - (1.0 - met) * (1.0 - intervals.extra[1]);
         let inner = &psi[1..psi.len() - 1];
         self.counts[inner.iter().any(|p| (from..to).contains(p)) as usize] += 1;
     }

@@ -1,5 +1,6 @@
 //! NumPy arrays: little-endian 32-bit floats are written, a little more is read, strictly.
 
+mod header;
 mod read;
 mod shape;
 

@@ -2,7 +2,7 @@
 //! says is known before the numbers are read.
 
 use super::super::error::FileError;
-use super::shape;
+use super::header::Header;
 use crate::files::Regular;
 use crate::room::{self, NoRoom};
 use std::io::{self, Read};
@@ -63,7 +63,7 @@ impl ArrayFile {
     /// Reads the numbers.
     pub fn read(self) -> Result<Array, FileError> {
         let numbers = self.file.from(self.header.bytes);
-        let array = numbers.and_then(|numbers| self.header.numbers(numbers));
+        let array = numbers.and_then(|from| numbers_of(&self.header, from));
         array.map_err(|error| FileError::unread(&self.path, &error))
     }
 }
@@ -76,129 +76,38 @@ pub fn read(path: &Path) -> Result<Array, FileError> {
 /// Decodes the bytes of a `.npy` file.
 pub fn decode(bytes: &[u8]) -> Result<Array, String> {
     let header = Header::parse(bytes, bytes.len() as u64)?;
-    let numbers = &bytes[header.bytes as usize..];
-    header.numbers(numbers).map_err(|error| error.to_string())
+    let from = &bytes[header.bytes as usize..];
+    numbers_of(&header, from).map_err(|error| error.to_string())
 }
 
-#[derive(Debug)]
-struct Header {
-    kind: String,
-    big_endian: bool,
-    fortran: bool,
-    shape: Vec<usize>,
-    /// The product of the shape.
-    count: usize,
-    /// All that comes before the numbers.
-    bytes: u64,
+/// The array of a header whose numbers `from` gives.
+fn numbers_of(header: &Header, from: impl Read) -> io::Result<Array> {
+    let values = match header.kind.as_str() {
+        "f4" => decode_numbers(header, from, f32::from_le_bytes),
+        "f8" => decode_numbers(header, from, |b| f64::from_le_bytes(b) as f32),
+        "i4" => decode_numbers(header, from, |b| i32::from_le_bytes(b) as f32),
+        _ => decode_numbers(header, from, |b| i64::from_le_bytes(b) as f32),
+    }?;
+    Ok(Array {
+        values: match header.fortran {
+            true => transposed(&values, &header.shape)?,
+            false => values,
+        },
+        shape: header.shape.clone(),
+    })
 }
 
-impl Header {
-    /// How long it is with all that is before it, given how the file begins.
-    fn length(start: &[u8]) -> Result<u64, String> {
-        let body = start
-            .strip_prefix(b"\x93NUMPY")
-            .ok_or("not a NumPy array (.npy)")?;
-        match body {
-            [1, _, a, b, ..] => Ok(10 + u64::from(u16::from_le_bytes([*a, *b]))),
-            [2 | 3, _, a, b, c, d, ..] => Ok(12 + u64::from(u32::from_le_bytes([*a, *b, *c, *d]))),
-            _ => Err("a NumPy file version that is not known".into()),
+fn decode_numbers<const N: usize>(
+    header: &Header,
+    from: impl Read,
+    number: impl Fn([u8; N]) -> f32,
+) -> io::Result<Vec<f32>> {
+    floats(from, header.count, |mut bytes| {
+        if header.big_endian {
+            bytes.reverse();
         }
-    }
-
-    /// Reads it where a file of `file_bytes` starts.
-    fn parse(start: &[u8], file_bytes: u64) -> Result<Self, String> {
-        let bytes = Self::length(start)?;
-        let before = if start[6] == 1 { 10 } else { 12 };
-        let text = usize::try_from(bytes)
-            .ok()
-            .and_then(|end| start.get(before..end))
-            .ok_or("its header ends too early")?;
-        let text = std::str::from_utf8(text).map_err(|_| "its header is not text")?;
-        let after = |key: &str| {
-            text.split_once(&format!("'{key}':"))
-                .map(|(_, rest)| rest.trim_start())
-                .ok_or(format!("its header has no '{key}'"))
-        };
-        let quoted = after("descr")?
-            .strip_prefix('\'')
-            .and_then(|rest| rest.split_once('\''));
-        let descr = quoted
-            .map(|(descr, _)| descr)
-            .ok_or("structured arrays are not read")?;
-        let kind = descr.trim_start_matches(['<', '>', '=', '|']).to_string();
-        let order = after("fortran_order")?;
-        let tuple = after("shape")?
-            .strip_prefix('(')
-            .and_then(|rest| rest.split_once(')'));
-        let numbers = tuple
-            .map(|(inside, _)| inside)
-            .ok_or("its shape is not a tuple")?;
-        let shape = numbers
-            .split(',')
-            .map(str::trim)
-            .filter(|n| !n.is_empty())
-            .map(str::parse)
-            .collect::<Result<Vec<usize>, _>>();
-        let shape =
-            shape.map_err(|_| format!("its shape ({numbers}) is not made of whole numbers"))?;
-        let size = match kind.as_str() {
-            "f4" | "i4" => 4,
-            "f8" | "i8" => 8,
-            other => {
-                return Err(format!(
-                    "its type '{other}' is not read; use float32 or float64"
-                ));
-            }
-        };
-        let count = shape
-            .iter()
-            .try_fold(1usize, |product, &n| product.checked_mul(n));
-        let data = file_bytes.saturating_sub(bytes);
-        match count {
-            Some(count) if count.checked_mul(size).map(|b| b as u64) == Some(data) => Ok(Self {
-                kind,
-                big_endian: descr.starts_with('>'),
-                fortran: order.starts_with("True"),
-                shape,
-                count,
-                bytes,
-            }),
-            _ => Err(format!(
-                "its {data} bytes of data are not what shape {} needs",
-                shape::tuple(&shape)
-            )),
-        }
-    }
-
-    /// The array whose numbers `from` gives.
-    fn numbers(&self, from: impl Read) -> io::Result<Array> {
-        let values = match self.kind.as_str() {
-            "f4" => self.decode(from, f32::from_le_bytes),
-            "f8" => self.decode(from, |b| f64::from_le_bytes(b) as f32),
-            "i4" => self.decode(from, |b| i32::from_le_bytes(b) as f32),
-            _ => self.decode(from, |b| i64::from_le_bytes(b) as f32),
-        }?;
-        Ok(Array {
-            values: match self.fortran {
-                true => transposed(&values, &self.shape)?,
-                false => values,
-            },
-            shape: self.shape.clone(),
-        })
-    }
-
-    fn decode<const N: usize>(
-        &self,
-        from: impl Read,
-        number: impl Fn([u8; N]) -> f32,
-    ) -> io::Result<Vec<f32>> {
-        floats(from, self.count, |mut bytes| {
-            if self.big_endian {
-                bytes.reverse();
-            }
-            number(bytes)
-        })
-    }
+        number(bytes)
+    })
 }
 
 /// `count` numbers of `N` bytes as floats; the bytes are never all in memory.

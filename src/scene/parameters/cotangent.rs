@@ -1,4 +1,4 @@
-//! Reverse: cotangents of everything in the scene become gradients of parameters.
+//! Backward: cotangents of everything in the scene become gradients of parameters.
 
 use super::motion::pivot;
 use super::parameter::Parameter;
@@ -8,7 +8,7 @@ use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
 use glam::{DVec3, Vec3};
 
-/// Zeros for exactly what the reverse sweep must accumulate, so that [`reduce`] can give the
+/// Zeros for exactly what the backward sweep must accumulate, so that [`reduce`] can give the
 /// gradients of these parameters, seen from sensor `sensor`.
 pub fn wanted(
     scene: &Scene,

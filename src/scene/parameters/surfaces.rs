@@ -1,4 +1,4 @@
-//! Keys of textures and of lights without a shape, by the slots that use them.
+//! Keys of textures, delta lights and the environment, by the slots that use them.
 
 use super::entry::Entry;
 use super::target::Target;

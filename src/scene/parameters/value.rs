@@ -66,7 +66,7 @@ impl Value {
     }
 }
 
-/// What a parameter of a texture, or of a light without a shape, is now.
+/// What a parameter of a texture, a delta light or the environment is now.
 fn of_surface(scene: &Scene, target: Target) -> Value {
     let numbers = |texture: &Texture, texel: usize| {
         let texel = &texture.texels[texel][..texture.channels];

@@ -113,7 +113,7 @@ fn noise_larger_than_what_is_looked_for_is_no_agreement() {
     assert!(error <= 0.03, "{error}");
 }
 
-/// A plane without end under an even sky looks the same wherever it is.
+/// A plane without end under a constant environment looks the same wherever it is.
 #[test]
 fn gradients_that_are_zero_agree() {
     let directory = workplace();

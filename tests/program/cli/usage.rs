@@ -145,7 +145,7 @@ fn wrong_usage_is_told() {
             (
                 "backward s.xml --param floor.translation --target a.npy --method fd",
                 2,
-                "no reverse",
+                "does not run backward",
             ),
             (
                 "check s.xml --param floor.translation=1 --method fd",

@@ -208,10 +208,10 @@ fn gradients_are_the_transpose_of_tangents() {
         let gradient = reduce(&scene, &parameter, &cotangent);
         assert_eq!(gradient.len(), parameter.len(), "{}", parameter.key);
         let pairs = values.iter().zip(&gradient);
-        let reverse: f64 = pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+        let backward: f64 = pairs.map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
         assert!(
-            (forward - reverse).abs() < 1e-5 * (1.0 + forward.abs()),
-            "{}: {forward} against {reverse}",
+            (forward - backward).abs() < 1e-5 * (1.0 + forward.abs()),
+            "{}: {forward} against {backward}",
             parameter.key
         );
     }

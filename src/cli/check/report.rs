@@ -1,13 +1,30 @@
-//! What `check` writes and prints of what it found.
+//! What was found, as files and on stdout.
 
-use super::exit::Failure;
-use super::session::Session;
 use super::verdict::{Outcome, SIGNIFICANT, Transposition, Verdict};
+use crate::cli::exit::Failure;
+use crate::cli::session::Session;
 use crate::output::{atomic, chart, exr};
 use crate::statistics::comparison::{Comparison, Excess, z_scores};
 use crate::statistics::replicates::Replicates;
 use serde_json::json;
 use std::io::Write;
+
+/// One scale for the two gradients, so that equal colours are equal numbers.
+pub fn write_images(
+    session: &mut Session,
+    tested: &Replicates,
+    reference: &Replicates,
+) -> Result<(), Failure> {
+    let z = z_scores(tested, reference);
+    let (tested, reference) = (tested.mean(), reference.mean());
+    let scale = chart::robust_scale(&reference).max(chart::robust_scale(&tested));
+    session.write("forward.exr", |path| exr::write(path, &tested))?;
+    session.write("forward.png", |path| chart::write(path, &tested, scale))?;
+    session.write("fd.exr", |path| exr::write(path, &reference))?;
+    session.write("fd.png", |path| chart::write(path, &reference, scale))?;
+    session.write("z.exr", |path| exr::write(path, &z))?;
+    session.write("z.png", |path| chart::write(path, &z, SIGNIFICANT as f32))
+}
 
 /// Writes and prints what was found.
 pub fn conclude(
@@ -40,23 +57,6 @@ pub fn conclude(
         Outcome::Disagrees => Err(Failure::Disagreement(verdict.complaints.join("\n"))),
         Outcome::CannotTell => Err(Failure::Unsure(verdict.summary.clone())),
     }
-}
-
-/// One scale for the two gradients, so that equal colours are equal numbers.
-pub fn write_images(
-    session: &mut Session,
-    tested: &Replicates,
-    reference: &Replicates,
-) -> Result<(), Failure> {
-    let z = z_scores(tested, reference);
-    let (tested, reference) = (tested.mean(), reference.mean());
-    let scale = chart::robust_scale(&reference).max(chart::robust_scale(&tested));
-    session.write("forward.exr", |path| exr::write(path, &tested))?;
-    session.write("forward.png", |path| chart::write(path, &tested, scale))?;
-    session.write("fd.exr", |path| exr::write(path, &reference))?;
-    session.write("fd.png", |path| chart::write(path, &reference, scale))?;
-    session.write("z.exr", |path| exr::write(path, &z))?;
-    session.write("z.png", |path| chart::write(path, &z, SIGNIFICANT as f32))
 }
 
 fn print(t: &Transposition, c: &Comparison, verdict: &Verdict) -> Result<(), Failure> {

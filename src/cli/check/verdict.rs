@@ -3,7 +3,7 @@
 use crate::statistics::comparison::Comparison;
 use serde::Serialize;
 
-/// Forward and reverse mode compute one number from the same samples: only rounding may part them,
+/// Forward and backward compute one number from the same samples: only rounding may part them,
 /// relative to the sum of what was added up.
 const ROUNDING: f64 = 1e-4;
 /// More than this many standard errors is significant.
@@ -14,7 +14,7 @@ const PIXEL_FACTOR: f64 = 3.0;
 /// are zero but for rounding.
 const LEAST_SHARE: f64 = 1e-5;
 
-/// Forward against reverse mode.
+/// Forward against backward.
 #[derive(Clone, Debug, Serialize)]
 pub struct Transposition {
     /// ⟨dI/dθ·v, w⟩

@@ -1,0 +1,80 @@
+//! `warpath check`: forward, backward and finite differences against each other.
+
+mod report;
+mod runs;
+mod seeds;
+mod verdict;
+mod waves;
+
+use super::arguments::CheckArguments;
+use super::exit::Failure;
+use super::session::{self, Session};
+use crate::jobs::direction;
+use crate::scene::Filter;
+use crate::statistics::comparison::Comparison;
+use report::{conclude, write_images};
+use runs::{Check, MOST_RUNS, PICTURE_ROUNDING};
+use std::ffi::OsString;
+use verdict::{Circumstances, Outcome, SIGNIFICANT, judge};
+
+/// Runs the three and compares them.
+pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure> {
+    let method = session::method(&arguments.method)?;
+    if method.is_reference() {
+        return Err(Failure::Usage(format!(
+            "--method {} is what the others are checked against",
+            method.name()
+        )));
+    }
+    let session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
+    let settings = session.settings.clone();
+    let direction = direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;
+    if settings.spp < 2 {
+        return Err(Failure::Input(
+            "with one sample a pixel there are no standard errors to check against: raise --spp"
+                .into(),
+        ));
+    }
+    let mut check = Check::new(session, settings, direction);
+    check.announce();
+    let first = check.run_tested()?;
+    check.tell_time();
+    let rounding = check.rounding(&first.image)?;
+    let transposition = check.transpose(&first.gradient, rounding / PICTURE_ROUNDING)?;
+    let moves = check
+        .direction
+        .iter()
+        .any(|(parameter, _)| parameter.moves_visibility);
+    let filter = check.session.scene.sensors[check.settings.sensor]
+        .film
+        .filter;
+    let circumstances = Circumstances {
+        ignores_visibility: moves && method.ignores_visibility(),
+        box_filter: matches!(filter, Filter::Box { .. }),
+    };
+    let (comparison, verdict) = loop {
+        check.run_all()?;
+        let comparison = Comparison::of(&check.tested, &check.reference, rounding);
+        let verdict = judge(
+            method.name(),
+            circumstances,
+            &transposition,
+            &comparison,
+            arguments.tolerance,
+        );
+        let goes_on = arguments.until_sure && verdict.outcome == Outcome::CannotTell;
+        let most = if goes_on { usize::MAX } else { MOST_RUNS };
+        let is_sharp = comparison.can_tell(arguments.tolerance / SIGNIFICANT);
+        if is_sharp || !check.plan_more(&comparison, most) {
+            break (comparison, verdict);
+        }
+    };
+    write_images(&mut check.session, &check.tested, &check.reference)?;
+    conclude(
+        check.session,
+        &verdict,
+        &transposition,
+        &comparison,
+        arguments.tolerance,
+    )
+}

@@ -1,0 +1,45 @@
+//! Triangles in world space.
+
+use glam::{Vec2, Vec3};
+
+/// A triangle mesh in world space.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// As in the file, or Mitsuba's default name.
+    pub id: String,
+    /// World space, already transformed.
+    pub positions: Vec<Vec3>,
+    /// Counter-clockwise seen from outside, `flip_normals` already applied.
+    pub triangles: Vec<[u32; 3]>,
+    pub normals: Normals,
+    /// Texture coordinates, one a vertex; empty if the mesh has none.
+    pub uvs: Vec<Vec2>,
+    /// Index into [`super::Scene::materials`].
+    pub material: usize,
+    /// Index into [`super::Scene::area_lights`].
+    pub area_light: Option<usize>,
+}
+
+/// How a mesh is shaded.
+#[derive(Clone, Debug, Default)]
+pub enum Normals {
+    /// One geometric normal a triangle.
+    #[default]
+    Flat,
+    /// Unit vertex normals read from the file: data of their own, which rigid motions carry along
+    /// and which `vertex_positions` leaves alone. One a vertex.
+    Given(Vec<Vec3>),
+    /// Unit vertex normals computed from the positions (angle-weighted), so that they move with
+    /// them. One a vertex; the values at the present positions.
+    Computed(Vec<Vec3>),
+}
+
+impl Normals {
+    /// The unit normal of each vertex, if shading is smooth.
+    pub fn vertex(&self) -> Option<&[Vec3]> {
+        match self {
+            Normals::Flat => None,
+            Normals::Given(n) | Normals::Computed(n) => Some(n),
+        }
+    }
+}

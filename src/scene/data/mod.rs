@@ -1,0 +1,53 @@
+//! What a scene is once it is loaded: plain data, no file in sight.
+
+mod light;
+mod material;
+mod mesh;
+mod sensor;
+mod texture;
+
+pub use light::{AreaLight, DeltaLight, DeltaLightKind, Environment, EnvironmentMap};
+pub use material::{Bsdf, Distribution, Material, Microfacets};
+pub use mesh::{Mesh, Normals};
+pub use sensor::{Film, Filter, Sensor};
+pub use texture::{Layout, Rgb, Texture, Wrap};
+
+/// A loaded scene. Indices (`material`, `emitter`) point into its own vectors.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Shapes in the order of the file.
+    pub meshes: Vec<Mesh>,
+    pub materials: Vec<Material>,
+    /// Everything that has a colour: slots of materials and emitters point here.
+    pub textures: Vec<Texture>,
+    /// Area emitters, in the order of their shapes.
+    pub area_lights: Vec<AreaLight>,
+    /// Delta lights, in the order of the file.
+    pub delta_lights: Vec<DeltaLight>,
+    /// The `constant` or `envmap` environment, if the scene has one.
+    pub environment: Option<Environment>,
+    /// At least one.
+    pub sensors: Vec<Sensor>,
+    pub integrator: Integrator,
+    /// Non-fatal remarks met while loading (unread properties, dropped zero-area faces, …).
+    pub warnings: Vec<String>,
+    /// FNV-1a 64 of every file read, after substitution, in reading order.
+    pub hash: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator {
+    /// Longest path in segments; `u32::MAX` for Mitsuba's −1.
+    pub max_depth: u32,
+    /// First segment at which russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Emitters seen directly by the camera are black.
+    pub hide_emitters: bool,
+}
+
+impl Scene {
+    /// The colour of a texture that is constant (the first texel of others).
+    pub fn constant(&self, texture: usize) -> Rgb {
+        self.textures[texture].texels[0]
+    }
+}
