@@ -206,5 +206,4 @@ fn largest_magnitude(replicates: &Replicates) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "comparison_tests.rs"]
 mod tests;

@@ -67,8 +67,8 @@ fn entry(
             };
             flatten(kind, &whole, true, &mut cotangents);
             place += 1;
-        } else if *kind == Kind::Mask {
-            cotangents.push(quote!(F::splat(0.0)));
+        } else {
+            flatten(kind, &TokenStream::new(), true, &mut cotangents);
         }
     }
     let mut outputs = Vec::new();

@@ -160,5 +160,4 @@ impl Drop for Release {
 }
 
 #[cfg(test)]
-#[path = "store_tests.rs"]
 mod tests;
