@@ -1,5 +1,5 @@
 //! Inclusion probabilities: how likely a border on a line is to be found. What is found is weighed
-//! by one over that [HorvitzThompson1952].
+//! by one over that (Horvitz & Thompson 1952).
 //!
 //! Points are put on a line at equal distances, shifted together by one random number, and what
 //! lies between two neighbours is searched for. Between the borders that are known afterwards lie

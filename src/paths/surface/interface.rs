@@ -199,7 +199,7 @@ fn interface(slots: &[[Vec3; LANES]; SLOTS]) -> Interface<Lane> {
     }
 }
 
-/// The slots of an interface of one lane, as [`MaterialTable::for_each_slot`] numbers them.
+/// The slots of an interface of one lane, as [`SceneView::for_each_slot`] numbers them.
 pub fn slot_values(s: &Interface<Lane>, lane: usize) -> [Vec3; SLOTS] {
     let alpha = V3 {
         x: s.alpha,
