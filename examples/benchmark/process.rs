@@ -1,4 +1,4 @@
-//! Intervals of the cases.
+//! Runs of the cases.
 
 use crate::Result;
 use crate::cases::Case;

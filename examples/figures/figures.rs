@@ -57,7 +57,7 @@ const LIST: &str = "scenes/paper/figures.json";
 /// What was asked for on the command line.
 pub struct Options {
     pub only: Vec<String>,
-    /// Intervals of which the mean is judged.
+    /// Runs of which the mean is judged.
     pub runs: usize,
     /// Small images and few samples, to see whether everything runs.
     pub quick: bool,

@@ -24,7 +24,7 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 const COLUMNS: &str = "figure | direction | method | spp | seconds | amplitude | error of one run | bias of the mean | \
                        reference's noise | χ²/N (expected)";
 
-/// Intervals at few samples are cheap and noisy: there may be this many times more of them.
+/// Runs at few samples are cheap and noisy: there may be this many times more of them.
 const MOST_MORE_RUNS: u32 = 8;
 
 fn main() -> Result<ExitCode> {

@@ -1,4 +1,4 @@
-//! Intervals for a figure; those of references are kept.
+//! Runs for a figure; those of references are kept.
 
 use crate::Result;
 use crate::figures::{Figure, LEAST_RUNS, Options};

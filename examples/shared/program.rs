@@ -1,4 +1,4 @@
-//! Intervals of the release binary, as a user would start it.
+//! Runs of the release binary, as a user would start it.
 
 use crate::Result;
 use std::path::{Path, PathBuf};

@@ -30,7 +30,7 @@ pub struct Shared<'a> {
 }
 
 impl Shared<'_> {
-    /// Intervals the job of a line.
+    /// Runs the job of a line.
     pub fn run(&self, line: &Line, progress: &dyn Progress) -> Result<ResultLine, Failure> {
         if let Some(refusal) = &line.refusal {
             return Err(refusal.clone());

@@ -25,7 +25,7 @@ use std::time::Instant;
 /// busy.
 const SPARE_JOBS: usize = 2;
 
-/// Intervals the jobs of a file.
+/// Runs the jobs of a file.
 pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
     let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
@@ -119,7 +119,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Intervals lines until there are none.
+    /// Runs lines until there are none.
     fn run(
         &self,
         next: &(dyn Fn() -> Option<Line> + Sync),
@@ -198,7 +198,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Intervals a job; `None` if it was interrupted.
+    /// Runs a job; `None` if it was interrupted.
     fn result_of(&self, line: Line) -> Option<ResultLine> {
         let run = || {
             let progress = JobProgress {

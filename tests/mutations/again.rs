@@ -10,7 +10,7 @@ use std::path::Path;
 const FOLDERS: [&str; 2] = ["out", "again"];
 const THREADS: [&str; 3] = ["1", "2", "3"];
 
-/// Intervals a command that has succeeded once more and compares; says nothing of commands that
+/// Runs a command that has succeeded once more and compares; says nothing of commands that
 /// cannot be compared.
 pub fn differs(directory: &Path, beside: &Path, arguments: &[String]) -> Option<Violation> {
     let command = arguments.first()?.as_str();

@@ -14,7 +14,7 @@ pub struct Outcome {
     pub ends: Vec<String>,
 }
 
-/// Intervals a case in a fresh folder in `place`.
+/// Runs a case in a fresh folder in `place`.
 pub fn execute(case: &Case, place: &Path) -> Outcome {
     let directory = place.join("case");
     let _ = fs::remove_dir_all(&directory);

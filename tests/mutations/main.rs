@@ -46,7 +46,7 @@ const EXECUTIONS: usize = if cfg!(feature = "long-tests") {
     150
 };
 
-/// Intervals as many executions as asked for and lists all promises that were broken.
+/// Runs as many executions as asked for and lists all promises that were broken.
 #[test]
 fn promises_hold_whatever_is_given() {
     let asked = |name: &str| Some(std::env::var(name).ok()?.parse::<u64>().expect(name));

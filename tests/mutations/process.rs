@@ -1,4 +1,4 @@
-//! Intervals the program and watches its time and memory.
+//! Runs the program and watches its time and memory.
 
 use std::fs::{self, File};
 use std::os::unix::process::ExitStatusExt;
@@ -28,7 +28,7 @@ pub struct Ended {
     pub killed: Option<&'static str>,
 }
 
-/// Intervals the program in `directory`; its output goes through files beside it.
+/// Runs the program in `directory`; its output goes through files beside it.
 pub fn run(directory: &Path, beside: &Path, arguments: &[String], input: Option<&[u8]>) -> Ended {
     let [out, err, standard_input] = ["stdout", "stderr", "stdin"].map(|n| beside.join(n));
     fs::write(&standard_input, input.unwrap_or_default()).expect("a file of input");

@@ -53,7 +53,7 @@ pub fn start(directory: &Path, line: &str) -> Child {
         .unwrap()
 }
 
-/// Intervals the program, and holds its exit code to `code`.
+/// Runs the program, and holds its exit code to `code`.
 pub fn run(directory: &Path, line: &str, code: i32) -> Output {
     let out = start(directory, line).wait_with_output().unwrap();
     let message = String::from_utf8_lossy(&out.stderr);

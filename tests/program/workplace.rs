@@ -53,7 +53,7 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Intervals every line and compares its exit code and a part of its message; reports all that
+/// Runs every line and compares its exit code and a part of its message; reports all that
 /// fail.
 pub fn expect(directory: &Path, table: &[(&str, i32, &str)]) {
     let mut wrong = Vec::new();

@@ -18,7 +18,7 @@ use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::interface::slot_values;
 use glam::Vec3;
 
-/// Intervals backward sweeps over a tile's store.
+/// Runs backward sweeps over a tile's store.
 pub struct BackwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub wanted: &'a Wanted,

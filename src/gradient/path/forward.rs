@@ -19,7 +19,7 @@ use crate::scene::Rgb;
 
 pub(crate) type D = Dual<Lane>;
 
-/// Intervals forward sweeps over a tile's store.
+/// Runs forward sweeps over a tile's store.
 pub struct ForwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub motion: &'a Motion,

@@ -32,7 +32,7 @@ impl Triangle {
     /// Where `ray` meets it, at whatever distance.
     #[inline(always)]
     pub fn meet(&self, ray: &Ray) -> Option<Meeting> {
-        // SearchCache places are faster to read than counted ones.
+        // Known places are faster to read than counted ones.
         match ray.axis {
             0 => self.meet_along::<0, 1, 2>(ray),
             1 => self.meet_along::<1, 2, 0>(ray),

@@ -6,7 +6,7 @@ use crate::workplace::workplace;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Intervals a line of shell in which `warpath` is the program under test.
+/// Runs a line of shell in which `warpath` is the program under test.
 fn shell(at: &Path, line: &str) {
     let program = Path::new(env!("CARGO_BIN_EXE_warpath")).parent().unwrap();
     let path = std::env::var("PATH").unwrap();

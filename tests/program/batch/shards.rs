@@ -5,7 +5,7 @@ use crate::workplace::workplace;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Intervals all shards and merges them into `merged`, which is returned.
+/// Runs all shards and merges them into `merged`, which is returned.
 fn sharded(at: &Path, count: u32, split: &str) -> std::path::PathBuf {
     let mut folders = String::new();
     for index in 1..=count {

@@ -40,6 +40,8 @@ pub struct FilmCell<'a> {
     triangles: [u32; 2],
     /// How many cells it stands for.
     pub weight: u32,
+    /// Its own among those of the tile.
+    pub number: u32,
 }
 
 impl<'a> LatticeCells<'a> {
@@ -79,6 +81,7 @@ impl<'a> LatticeCells<'a> {
             length: self.film.tile.step[line.axis],
             triangles: [at, at + 1].map(|at| self.triangle(line, at, counts)),
             weight: 1,
+            number: 0,
         }
     }
 
