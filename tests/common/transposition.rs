@@ -93,7 +93,7 @@ pub fn both_sides(
     let scene = prepared.scene;
     let settings = Settings {
         standard_error: true,
-        ..settings(scene, method, 16, 4)
+        ..settings(scene, method, 32, 4)
     };
     let forward = prepared.forward(&settings, direction, &Quiet);
     let result = forward.expect("a gradient image");

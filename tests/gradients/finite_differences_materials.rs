@@ -267,10 +267,9 @@ fn lit_by_the_sun() {
 #[test]
 fn the_sun_itself() {
     let scene = close_up().sunny().depth(3);
-    for (key, by) in [
-        ("env.data", [1.0, 0.5, 0.2].as_slice()),
-        ("env.scale", &[1.0]),
-    ] {
-        check(&scene, &[(key, by)], 16, None, Agrees);
-    }
+    // The image is linear in the texels, so that any step is right. Short ones are noisy: the map
+    // is sampled otherwise when its texels change.
+    let step = Some(0.1);
+    check(&scene, &[("env.data", &[1.0, 0.5, 0.2])], 16, step, Agrees);
+    check(&scene, &[("env.scale", &[1.0])], 16, None, Agrees);
 }

@@ -8,7 +8,7 @@ use warpath::scene::load;
 
 /// Blocks along each side of the film.
 const BLOCKS: usize = 4;
-const SEEDS: u64 = 16;
+const SEEDS: u64 = 32;
 const SPP: u32 = 64;
 /// Of the worst of a scene's 48 numbers, and of the mean of their squares (which is 1 if all errors
 /// are right).

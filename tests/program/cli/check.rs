@@ -149,7 +149,8 @@ fn how_much_there_is_to_do_is_said_before_and_how_long_after_the_first_run() {
     let line = "check s.xml --param env.radiance.value=1,1,1 --spp 4 -o out";
     let out = warpath(directory.path(), &typed(line));
     let message = text(&out.stderr);
-    assert_eq!(out.status.code(), Some(0), "{message}");
+    // Whether so few samples agree is chance.
+    assert!(matches!(out.status.code(), Some(0 | 1)), "{message}");
     let mut lines = message.lines();
     let first = lines.next().unwrap();
     assert!(
