@@ -81,7 +81,7 @@ fn what_is_not_finite_is_no_result() {
             FINITE,
         ),
         (
-            "forward s.xml -D radiance=3e38 -D turn=0 -D x=0 --param lamp.translation=1e4,0,0 -o b",
+            "forward s.xml -D radiance=3.4e38 -D turn=0 -D x=0 --param lamp.translation=1e4,0,0 -o b",
             3,
             FINITE,
         ),
