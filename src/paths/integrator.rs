@@ -117,7 +117,15 @@ impl Integrator<'_> {
                 store.vertices.push(vertices);
                 return;
             }
-            self.leave(&mut path, vertices, surface, between, numbers, store);
+            let rim = match &between {
+                Some(between) => between.rim(&vertices, &surface),
+                None => Lane::splat(1.0),
+            };
+            let here = (&surface, rim);
+            self.leave(&mut path, &mut vertices, here, &between, &numbers);
+            // Both are large: each is moved once.
+            path.previous = Some((surface, rim));
+            store.vertices.push(vertices);
             if self.ends(&mut path, segments, numbers, store) {
                 return;
             }
@@ -229,31 +237,22 @@ impl Integrator<'_> {
         vertices.boundary = [first, store.found.samples.len() as u32];
     }
 
-    /// Draws where the paths go on, and stores the vertex.
+    /// Draws where the paths go on.
     fn leave(
         &self,
         path: &mut Path,
-        mut vertices: Vertices,
-        surface: Surface,
-        between: Option<BetweenPlanes>,
-        numbers: Numbers,
-        store: &mut TileStore,
+        vertices: &mut Vertices,
+        (surface, rim): (&Surface, Lane),
+        between: &Option<BetweenPlanes>,
+        numbers: &Numbers,
     ) {
-        let rim = match &between {
-            Some(between) => between.rim(&vertices, &surface),
-            None => Lane::splat(1.0),
-        };
-        let mut next = self
-            .view
-            .bsdf_sample(&mut vertices, &surface, rim, &numbers);
-        if let Some(between) = &between {
+        let mut next = self.view.bsdf_sample(vertices, surface, rim, numbers);
+        if let Some(between) = between {
             next.active &= between.count(next.direction);
         }
         path.rays = next;
         path.throughput = path.throughput.times(vertices.weight) * (vertices.survival * rim);
         path.coherence = Coherence::Incoherent;
-        path.previous = Some((surface, rim));
-        store.vertices.push(vertices);
     }
 
     /// Whether the paths that have left a vertex need not be followed to another; then what jumps
