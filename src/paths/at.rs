@@ -19,7 +19,6 @@ pub struct Numbers<'a> {
 
 impl Numbers<'_> {
     /// The vertex's own pair for this use.
-    #[inline]
     pub fn pair(&self, user: Pair) -> (Lane, Lane) {
         self.stream.pair(self.index, user.dimension(self.depth))
     }

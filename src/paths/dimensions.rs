@@ -40,7 +40,6 @@ const PAIRS_PER_VERTEX: u32 = Pair::LobeLine as u32 + 1;
 
 impl Pair {
     /// Its dimension in the point sets of a stream, at vertex `depth` of a path.
-    #[inline]
     pub fn dimension(self, depth: u32) -> u32 {
         depth
             .wrapping_mul(PAIRS_PER_VERTEX)
@@ -88,14 +87,12 @@ pub enum Branch {
 
 impl Stream {
     /// One uniform number in [0, 1).
-    #[inline]
     pub fn single(&self, user: Single, numbers: [u32; 3]) -> f32 {
         let [a, b, c] = numbers;
         self.keyed([0, user as u32, a, b, c])
     }
 
     /// A stream of its own.
-    #[inline]
     pub fn branch(&self, user: Branch, numbers: [u32; 3]) -> Self {
         let [a, b, c] = numbers;
         self.child([1, user as u32, a, b, c])

@@ -25,7 +25,6 @@ impl Stream {
     }
 
     /// A stream of its own for what `words` name (`paths::dimensions`).
-    #[inline]
     pub(super) fn child(&self, words: [u32; 5]) -> Self {
         let mix_in =
             |h: u32, word: u32| mix(h ^ mix(word.wrapping_mul(0x9e37_79b1).wrapping_add(1)));
@@ -33,7 +32,6 @@ impl Stream {
     }
 
     /// A uniform number in [0, 1) for what `words` name.
-    #[inline]
     pub(super) fn keyed(&self, words: [u32; 5]) -> f32 {
         to_unit(self.child(words).0)
     }

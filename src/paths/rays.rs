@@ -17,7 +17,6 @@ pub struct RayPacket {
 
 impl RayPacket {
     /// The rays of `active` lanes that leave surfaces at `x` along `direction`, as far as they get.
-    #[inline]
     pub fn leaving(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>, active: u32) -> Self {
         Self {
             active,
@@ -29,7 +28,6 @@ impl RayPacket {
     }
 
     /// Those that leave toward the points `y`, and stop a little before them.
-    #[inline]
     pub fn toward(x: V3<Lane>, geometric: V3<Lane>, y: V3<Lane>, active: u32) -> Self {
         let origin = leave(x, geometric, y - x);
         Self {
@@ -50,7 +48,6 @@ pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
 pub const OFFSET: f32 = 2e-5;
 
 /// A point just off the surface, on the side that `direction` leaves to.
-#[inline]
 pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {
     let size = x.x.abs().max(x.y.abs()).max(x.z.abs()) + Lane::splat(1.0);
     let step = size * Lane::splat(OFFSET) * geometric.dot(direction).signum();
@@ -58,7 +55,6 @@ pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> 
 }
 
 /// As Embree takes them.
-#[inline]
 pub fn to_rays(rays: &RayPacket) -> Rays<LANES> {
     Rays {
         org_x: rays.origin.x.to_array(),
@@ -73,7 +69,6 @@ pub fn to_rays(rays: &RayPacket) -> Rays<LANES> {
 }
 
 /// One lane of a vector.
-#[inline]
 pub fn lane_of(v: V3<Lane>, lane: usize) -> Vec3 {
     Vec3::new(
         v.x.to_array()[lane],
@@ -83,7 +78,6 @@ pub fn lane_of(v: V3<Lane>, lane: usize) -> Vec3 {
 }
 
 /// A vector a lane.
-#[inline]
 pub fn from_lanes(v: &[Vec3; LANES]) -> V3<Lane> {
     V3 {
         x: Lane::new(v.map(|p| p.x)),
@@ -93,7 +87,6 @@ pub fn from_lanes(v: &[Vec3; LANES]) -> V3<Lane> {
 }
 
 /// A constant vector in every lane.
-#[inline]
 pub fn splat<F: Real>(v: Vec3) -> V3<F> {
     V3::new(
         F::splat(v.x as f64),
@@ -103,21 +96,18 @@ pub fn splat<F: Real>(v: Vec3) -> V3<F> {
 }
 
 /// One colour a lane.
-#[inline]
 pub fn to_rgb(v: V3<Lane>) -> [Rgb; LANES] {
     let (x, y, z) = (v.x.to_array(), v.y.to_array(), v.z.to_array());
     std::array::from_fn(|l| [x[l], y[l], z[l]])
 }
 
 /// The lanes of a bit mask, as the lane type's own mask.
-#[inline]
 pub fn lane_mask(bits: u32) -> <Lane as Real>::Mask {
     let ones = std::array::from_fn(|l| if bits >> l & 1 == 1 { 1.0 } else { 0.0 });
     Lane::new(ones).gt(Lane::splat(0.5))
 }
 
 /// The lanes of a vector that `bits` selects, zero elsewhere.
-#[inline]
 pub fn masked(bits: u32, v: V3<Lane>) -> V3<Lane> {
     V3::select(lane_mask(bits), v, V3::splat(0.0))
 }

@@ -36,7 +36,6 @@ pub struct SceneView<'a> {
 
 impl SceneView<'_> {
     /// The triangle each ray meets first.
-    #[inline]
     pub fn intersect(&self, rays: &RayPacket, coherence: Coherence) -> [u32; LANES] {
         let mut hits = Hits::<LANES>::default();
         self.accel
@@ -51,7 +50,6 @@ impl SceneView<'_> {
     }
 
     /// The triangle one ray meets first.
-    #[inline]
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, near: f32, far: f32) -> u32 {
         let mut ray = Rays::<1>::default();
         ray.set(0, origin, direction, near, far);
@@ -65,7 +63,6 @@ impl SceneView<'_> {
     }
 
     /// The active lanes whose rays meet nothing; the rays are added to `count`.
-    #[inline]
     pub fn unoccluded(&self, rays: &RayPacket, count: &mut u64) -> u32 {
         if rays.active == 0 {
             return 0;
