@@ -10,8 +10,8 @@ fn check(line: &str) -> (Option<i32>, serde_json::Value, String) {
     } else {
         "-D filter=gaussian"
     };
-    // The edges are parallel to the lattice, so that a run has few and large errors, and one seed in
-    // some is judged wrong.
+    // The edges are parallel to the lattice, so that a run has few and large errors, and one seed
+    // in some is judged wrong.
     let line = format!("check s.xml --resolution 32x24 --spp 256 --seed 4 -o out {filter} {line}");
     let out = warpath(directory.path(), &typed(&line));
     let said = text(&out.stdout) + &text(&out.stderr);

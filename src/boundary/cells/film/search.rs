@@ -31,8 +31,8 @@ use std::collections::BTreeSet;
 /// Of the cells whose ends look alike one in this many is searched, and stands for all.
 const UNLIKELY: u32 = 8;
 
-/// Cells of a tile are fewer than two to this; above it, the probes of one cell are numbered. So the
-/// first probes of neighbours have neighbouring indices, which are well spread.
+/// Cells of a tile are fewer than two to this; above it, the probes of one cell are numbered. So
+/// the first probes of neighbours have neighbouring indices, which are well spread.
 const CELL_BITS: u32 = 22;
 /// More than are found at once in a cell.
 const PROBES_OF_ROUND: u32 = 64;
