@@ -139,27 +139,6 @@ impl Intervals {
         chance.clamp(SMALLEST_CHANCE, 1.0)
     }
 
-    /// One over the probability of finding each border of a line on which is seen only whether a
-    /// light is hidden, as it is not before the first border if `begins_open`. A search between
-    /// what is hidden and what is not finds the border next to the first
-    /// (`crate::boundary::occlusion`).
-    pub fn shadow_weights(&self, begins_open: bool) -> Vec<f64> {
-        let is_open = |interval: usize| begins_open == interval.is_multiple_of(2);
-        let mut search = |[j, k]: [usize; 2]| {
-            let mut reach = SearchResult::default();
-            match [is_open(j), is_open(k)] {
-                [false, true] => reach.borders.insert(j),
-                [true, false] => reach.borders.insert(k - 1),
-                _ => false,
-            };
-            reach
-        };
-        let mut known = SearchCache::new();
-        (0..self.places.len())
-            .map(|border| 1.0 / self.inclusion_of_border(border, &mut known, &mut search))
-            .collect()
-    }
-
     /// The probability that a search looks at what is seen within a interval.
     pub fn inclusion_within(
         &self,
@@ -187,6 +166,18 @@ impl Intervals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Intervals of even numbers are open. A search between one that is not and one that is finds
+    /// the border next to the first.
+    fn next_to_closed([j, k]: [usize; 2]) -> SearchResult {
+        let mut reach = SearchResult::default();
+        match [j % 2, k % 2] {
+            [1, 0] => reach.borders.insert(j),
+            [0, 1] => reach.borders.insert(k - 1),
+            _ => false,
+        };
+        reach
+    }
 
     /// The chances are those that are counted over all shifts of the points, with one more point or
     /// without.
@@ -225,7 +216,6 @@ mod tests {
                     points.sort_by(f64::total_cmp);
                     for pair in points.windows(2) {
                         let [j, k] = [pair[0], pair[1]].map(run_of);
-                        // Intervals of even numbers are open.
                         match [j % 2, k % 2] {
                             [1, 0] => counted[j] += 1,
                             [0, 1] => counted[k - 1] += 1,
@@ -235,12 +225,13 @@ mod tests {
                 }
             }
             let trials = (SHIFTS * extras.len()) as f64;
-            for (weight, count) in intervals.shadow_weights(true).into_iter().zip(counted) {
+            let mut known = SearchCache::new();
+            for (border, count) in counted.into_iter().enumerate() {
+                let chance = intervals.inclusion_of_border(border, &mut known, &mut next_to_closed);
                 let expected = count as f64 / trials;
                 assert!(
-                    (1.0 / weight - expected).abs() < 4.0 / SHIFTS as f64,
-                    "{} for {expected}, {with_extra}",
-                    1.0 / weight
+                    (chance - expected).abs() < 4.0 / SHIFTS as f64,
+                    "{chance} for {expected}, {with_extra}"
                 );
             }
         }

@@ -5,5 +5,5 @@ pub mod inclusion;
 pub mod inclusion_by_walks;
 pub mod occlusion;
 pub mod probe;
-pub mod reciprocal;
 pub mod search_scene;
+pub mod shadows;

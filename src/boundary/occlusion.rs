@@ -107,71 +107,95 @@ impl SurfacePoint {
     }
 }
 
-/// Walks from the occluder that stands in the direction of coordinate 0 toward the free direction
-/// of coordinate 1; where another occluder stands behind the silhouette, on along that one. Returns
-/// the last silhouette. `direction` is linear in the coordinate up to its length.
+/// What following occluders over an interval came to.
+pub enum Followed {
+    /// The last one ends, and nothing hides what lies beyond.
+    End(OccluderEnd),
+    /// One hides after another, up to the interval's end.
+    AllHidden,
+    /// No end was found beyond this coordinate.
+    Lost(f64),
+}
+
+/// Walks from the occluder that stands in the direction of coordinate 0 toward coordinate 1, and
+/// where another occluder stands behind the silhouette, on along that one. `direction` is linear in
+/// the coordinate up to its length, the light is `far` times that away, and coordinate 1 may be
+/// known to be open.
 pub fn follow_occluders(
     scene: &SearchScene,
     point: &SurfacePoint,
-    direction: &impl Fn(f64) -> DVec3,
-    far: f32,
+    (direction, far, is_open_at_one): (&impl Fn(f64) -> DVec3, f32, bool),
     counts: &mut Counts,
-) -> Option<OccluderEnd> {
+) -> Followed {
     let SearchScene {
         view, adjacency, ..
     } = *scene;
     let mut at = 0.0;
     let is_free = |at: f64, counts: &mut Counts| {
-        at >= 1.0 || {
-            counts.probe += 1;
-            point.first_hit(view, direction(at), far) == NO_TRIANGLE
+        if at >= 1.0 {
+            return is_open_at_one;
         }
+        counts.probe += 1;
+        point.first_hit(view, direction(at), far) == NO_TRIANGLE
     };
     // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
     // hides.
     let height = |at: f64| point.geometric.as_dvec3().dot(direction(at));
     let (low, high) = (height(0.0), height(1.0));
+    let crossing = low / (low - high);
+    let mut limit = 1.0;
+    if low < 0.0 && high < 0.0 {
+        return Followed::AllHidden;
+    }
     if low * high < 0.0 {
-        let crossing = low / (low - high);
-        at = crossing + PROBE;
-        if is_free(at, counts) {
-            return Some(OccluderEnd {
-                edge: point.plane_edge(view),
-                along: None,
-                at: crossing,
-            });
+        if low < 0.0 {
+            at = crossing + PROBE;
+            if is_free(at, counts) {
+                return Followed::End(OccluderEnd {
+                    edge: point.plane_edge(view),
+                    along: None,
+                    at: crossing,
+                });
+            }
+        } else {
+            limit = crossing;
         }
     }
     for _ in 0..MAX_OCCLUDERS {
         counts.probe += 1;
         let triangle = point.first_hit(view, direction(at), far);
         if triangle == NO_TRIANGLE {
-            return None;
+            return Followed::Lost(at);
         }
         let arc = Arc {
             origin: point.leave(direction(at)).as_dvec3(),
             a: direction(at),
             b: direction(1.0),
         };
-        let Walk::Fold(fold) = walk(
+        let fold = match walk(
             view.geometry,
             adjacency,
             &arc,
             [triangle, NO_TRIANGLE],
             1.0,
             &mut Reservoir::closed(),
-        ) else {
-            return None;
+        ) {
+            Walk::Fold(fold) => fold,
+            Walk::Continues if !is_open_at_one => return Followed::AllHidden,
+            _ => return Followed::Lost(at),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
         at = crossing + PROBE;
+        if at >= limit && !is_open_at_one {
+            return Followed::AllHidden;
+        }
         if is_free(at, counts) {
-            return Some(OccluderEnd {
+            return Followed::End(OccluderEnd {
                 edge: fold.edge,
                 along: Some(fold.along),
                 at: crossing,
             });
         }
     }
-    None
+    Followed::Lost(at)
 }

@@ -66,6 +66,23 @@ impl Boundary {
         }
     }
 
+    /// An edge as its point that is seen from `o` along `d`, of which only the motion across `line`
+    /// counts. Other boundaries, and edges that are seen along themselves, are left as they are.
+    pub fn of_point(self, geometry: &Geometry, o: DVec3, d: DVec3, line: DVec3) -> Self {
+        let Boundary::Edge(edge) = self else {
+            return self;
+        };
+        let [a, b] = edge.map(|v| geometry.positions[v as usize].as_dvec3() - o);
+        // Across d, in the plane of the edge and o.
+        let across = a.cross(b).cross(d);
+        let along = a.dot(across) / (a - b).dot(across);
+        if (0.0..=1.0).contains(&along) {
+            Boundary::Point { edge, along, line }
+        } else {
+            self
+        }
+    }
+
     /// F over any lane type; `point` gives a vertex, tangent and all.
     pub fn side<F: Real>(&self, o: V3<F>, d: V3<F>, point: impl Fn(u32) -> V3<F>) -> F {
         match *self {

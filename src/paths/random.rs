@@ -36,13 +36,6 @@ impl Stream {
         to_unit(self.child(words).0)
     }
 
-    /// One uniform number in [0, 1) for the whole stream.
-    pub fn uniform(&self, dimension: u32) -> f32 {
-        to_unit(mix(
-            self.0 ^ mix(dimension.wrapping_mul(0x27d4_eb2f).wrapping_add(1))
-        ))
-    }
-
     /// Two-dimensional points of the pair `dimension` at the given indices, in [0, 1)².
     pub fn pair(&self, index: &U, dimension: u32) -> (Lane, Lane) {
         let key = mix(self.0

@@ -10,6 +10,7 @@ use warpath::discontinuity::adjacency::Adjacency;
 use warpath::discontinuity::boundary::{Boundary, dvec3};
 use warpath::methods::{MakeBoundary, Method, Prepared};
 use warpath::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use warpath::paths::dimensions::Single;
 use warpath::paths::estimator::{BoundaryEstimator, FilmTile};
 use warpath::scene::{Filter, Scene};
 use warpath::statistics::agreement::Agreement;
@@ -33,7 +34,10 @@ impl BoundaryEstimator for Borders<'_> {
             for corner in (0..3).filter(|&c| self.0.across(triangle, c).is_none()) {
                 let vertices = film.view.geometry.triangles[triangle as usize];
                 let edge = [vertices[corner], vertices[(corner + 1) % 3]];
-                let shift = film.tile.stream.uniform(3 * triangle + corner as u32);
+                let shift = film
+                    .tile
+                    .stream
+                    .single(Single::FilmEdge, [triangle, corner as u32, 0]);
                 let points = (0..POINTS).map(|i| (i as f32 + shift) / POINTS as f32);
                 out.samples
                     .extend(points.filter_map(|at| sample(film, edge, at)));

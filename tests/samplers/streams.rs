@@ -2,6 +2,7 @@
 
 use super::*;
 use warpath::lanes::Lane;
+use warpath::paths::dimensions::Single;
 use warpath::paths::rays::lane_of;
 use warpath::paths::surface::lobe_sample::cosine_direction;
 
@@ -44,7 +45,8 @@ fn streams_are_independent() {
     let mut counts = vec![0; 16 * 16];
     for i in 0..SAMPLES as u32 {
         let stream = Stream::new(7, [i, 1]);
-        counts[bin(stream.uniform(0), 16) * 16 + bin(stream.uniform(1), 16)] += 1;
+        counts[bin(stream.single(Single::FilmEdge, [0; 3]), 16) * 16
+            + bin(stream.single(Single::FilmEdge, [1, 0, 0]), 16)] += 1;
     }
     uniform("a tile's shift", &counts);
 }

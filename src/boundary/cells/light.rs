@@ -13,20 +13,18 @@
 //! it crosses the cell once. A shadow that is shorter than the spacing of the points may be missed,
 //! and is weighed for that (`crate::boundary::reciprocal`).
 
-use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
-use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::boundary::search_scene::SearchScene;
+use crate::boundary::shadows::{ShadowLine, Shadows, chance_of_any};
 use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
 use crate::kernels::light::triangle_irradiance;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
-use crate::paths::dimensions::{Branch, Pair};
+use crate::paths::dimensions::Pair;
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
-use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::scene::Rgb;
@@ -120,19 +118,13 @@ impl LightLines<'_> {
                 scene: self.scene,
                 point: &line.point,
                 line: &line,
+                points: &points,
+                is_open: &is_open,
             };
-            let draws = self.draws(lane);
-            for edge in shadows.edges(&points, &is_open, &draws, &mut out.counts) {
+            for edge in shadows.edges(&mut out.counts) {
                 out.samples.push(line.sample(edge.end, edge.at, edge.jump));
             }
         }
-    }
-
-    /// For other points of a lane's line.
-    fn draws(&self, lane: usize) -> Stream {
-        let numbers = &self.at.numbers;
-        let name = [numbers.index[lane], numbers.depth, self.axis as u32];
-        numbers.stream.branch(Branch::LightShadow, name)
     }
 
     /// Each lane's coordinate across its line.
@@ -220,12 +212,6 @@ struct LightLine<'a> {
 }
 
 impl ShadowLine for LightLine<'_> {
-    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        points(self.ends, random() as f32, random() as f32)
-            .map(f64::from)
-            .to_vec()
-    }
-
     /// To the light, of full length.
     fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
         move |s| {
@@ -243,11 +229,10 @@ impl ShadowLine for LightLine<'_> {
         SHADOW_FAR
     }
 
-    fn intervals(&self, borders: &[f64]) -> Intervals {
+    fn chance_between(&self, [low, high]: [f64; 2]) -> f64 {
         let [from, to] = self.ends.map(f64::from);
-        let part = |at: &f64| (at - from) / (to - from);
-        let places = borders.iter().map(|at| part(at) * INNER_POINTS as f64);
-        Intervals::with_extra(places.collect(), borders.iter().map(part))
+        let part = (high - low) / (to - from);
+        chance_of_any(part * INNER_POINTS as f64, part)
     }
 }
 

@@ -5,18 +5,16 @@
 //! is.
 
 use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
-use crate::boundary::inclusion::Intervals;
 use crate::boundary::occlusion::SurfacePoint;
-use crate::boundary::reciprocal::{ShadowLine, Shadows};
 use crate::boundary::search_scene::SearchScene;
+use crate::boundary::shadows::{ShadowLine, Shadows, chance_of_any};
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
-use crate::paths::dimensions::{Branch, Pair, Single};
+use crate::paths::dimensions::{Pair, Single};
 use crate::paths::environment::distribution::{MapDistribution, Meridian};
 use crate::paths::moving::Sector;
-use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::scene::Environment;
@@ -87,20 +85,14 @@ impl<'a> MapLines<'a> {
                 scene: self.scene,
                 point: &SurfacePoint::of_lane(self.at, lane),
                 line,
+                points: &line.psi,
+                is_open: &is_open,
             };
-            let draws = self.draws(lane);
-            for edge in shadows.edges(&line.psi, &is_open, &draws, &mut out.counts) {
+            for edge in shadows.edges(&mut out.counts) {
                 let boundary = Boundary::Edge(edge.end.edge);
                 self.push(lane, line, edge.at, boundary, edge.jump, out);
             }
         }
-    }
-
-    /// For other points of a lane's line.
-    fn draws(&self, lane: usize) -> Stream {
-        let numbers = &self.at.numbers;
-        let name = [numbers.index[lane], numbers.depth, 0];
-        numbers.stream.branch(Branch::EnvironmentShadow, name)
     }
 
     /// A lane's line, unless nothing may be found on it that moves.
@@ -228,10 +220,6 @@ impl<'a> MapLine<'a> {
 }
 
 impl ShadowLine for MapLine<'_> {
-    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        self.points([random(), random()])
-    }
-
     fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
         let [a, b] = ends.map(|psi| direction(&self.line, psi));
         move |s| a * (1.0 - s) + b * s
@@ -245,10 +233,10 @@ impl ShadowLine for MapLine<'_> {
         f32::INFINITY
     }
 
-    fn intervals(&self, borders: &[f64]) -> Intervals {
-        let power = |psi: &f64| self.distribution.power_below(&self.line, *psi);
-        let places = borders.iter().map(|psi| power(psi) * INNER_POINTS as f64);
-        Intervals::with_extra(places.collect(), borders.iter().map(power))
+    fn chance_between(&self, interval: [f64; 2]) -> f64 {
+        let [below, above] = interval.map(|psi| self.distribution.power_below(&self.line, psi));
+        let part = above - below;
+        chance_of_any(part * INNER_POINTS as f64, part)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::boundary::cells::line_search::Cell;
 use crate::boundary::occlusion::{MOST_PROBE, nearest_angle, probe_angle};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
+use crate::discontinuity::between::between;
 use crate::discontinuity::boundary::{Boundary, dvec3};
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::paths::counts::Counts;
@@ -65,7 +66,8 @@ impl<'a> LatticeCells<'a> {
         self.first_hit(self.position(line, at))
     }
 
-    fn position(&self, line: LatticeLine, at: i64) -> [f64; 2] {
+    /// The film position of a point of a line.
+    pub fn position(&self, line: LatticeLine, at: i64) -> [f64; 2] {
         let tile = self.film.tile;
         let mut position = [tile.position(1 - line.axis, line.number); 2];
         position[line.axis] = tile.first[line.axis] + at as f64 * tile.step[line.axis];
@@ -96,14 +98,33 @@ impl<'a> LatticeCells<'a> {
     pub fn direction(&self, line: LatticeLine, steps: f64) -> DVec3 {
         let mut at = self.position(line, 0);
         at[line.axis] += steps * self.film.tile.step[line.axis];
-        dvec3(self.scene.view.camera.direction(at[0], at[1]))
+        self.direction_at(at)
+    }
+
+    /// The direction through a film position.
+    pub fn direction_at(&self, [u, v]: [f64; 2]) -> DVec3 {
+        dvec3(self.scene.view.camera.direction(u, v))
+    }
+
+    /// Whether one surface is seen between two directions, given the triangles that are seen there.
+    pub fn goes_on(&self, [a, b]: [DVec3; 2], seen: [u32; 2]) -> bool {
+        let SearchScene {
+            view, adjacency, ..
+        } = *self.scene;
+        let arc = Arc {
+            origin: view.camera.origin.as_dvec3(),
+            a,
+            b,
+        };
+        let found = || between(view.geometry, adjacency, &arc, seen, None, 0.0);
+        seen[0] == seen[1] || matches!(found(), Ok([None, _]))
     }
 
     /// The triangle seen at a film position.
-    fn first_hit(&self, [u, v]: [f64; 2]) -> u32 {
+    fn first_hit(&self, at: [f64; 2]) -> u32 {
         let view = self.scene.view;
         let camera = &view.camera;
-        let direction = dvec3(camera.direction(u, v)).as_vec3();
+        let direction = self.direction_at(at).as_vec3();
         view.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
     }
 }
@@ -177,8 +198,7 @@ impl Cell for FilmCell<'_> {
     }
 
     fn direction(&self, s: f64) -> DVec3 {
-        let [u, v] = self.position(s);
-        dvec3(self.cells.scene.view.camera.direction(u, v))
+        self.cells.direction_at(self.position(s))
     }
 
     /// Steps of the lattice from the line's first point.

@@ -1,5 +1,6 @@
 //! Where the radiance jumps on the film.
 
 pub mod cell;
+pub mod crowds;
 pub mod search;
 pub mod weights;

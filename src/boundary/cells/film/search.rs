@@ -12,6 +12,7 @@
 //! same light sample, and only the normals differ.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
+use super::crowds::Crowds;
 use super::weights::{self, ROUNDS};
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -28,7 +29,8 @@ use crate::paths::rays::{RayPacket, from_lanes, splat};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
-/// Of the cells whose ends look alike one in this many is searched, and stands for all.
+/// Of the cells whose ends look alike one in this many is searched and stands for all, but in
+/// crowds.
 const UNLIKELY: u32 = 8;
 
 /// Cells of a tile are fewer than two to this; above it, the probes of one cell are numbered. So
@@ -41,7 +43,8 @@ const PROBES_OF_ROUND: u32 = 64;
 pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let cells = LatticeCells { scene, film };
     let mut search = LineSearch::new(scene, &mut out.counts);
-    let (mut candidates, skipped) = searched_cells(&cells, &mut search);
+    let mut crowds = Crowds::new(cells);
+    let (mut candidates, skipped) = searched_cells(&cells, &mut crowds, &mut search);
     let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
     for round in 0..ROUNDS {
         let mut last = (u32::MAX, 0);
@@ -57,13 +60,17 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .met
         .retain(|met| film.tile.contains(met.cell.position(met.s)));
     weights::weigh(&cells, &mut search, &skipped);
-    let samples = search.met.iter().filter_map(|met| sample(&cells, met));
-    out.samples.extend(samples);
+    let LineSearch { met, counts, .. } = search;
+    for met in met {
+        let in_crowd = crowds.contain(met.cell.position(met.s), counts);
+        out.samples.extend(sample(&cells, &met, in_crowd));
+    }
 }
 
 /// Searches the cells of a tile, and says which were left out.
 fn searched_cells<'a>(
     cells: &LatticeCells<'a>,
+    crowds: &mut Crowds,
     search: &mut LineSearch<FilmCell<'a>>,
 ) -> (Vec<Candidate<FilmCell<'a>>>, BTreeSet<(LatticeLine, i64)>) {
     let FilmTile { view, tile, image } = *cells.film;
@@ -85,16 +92,25 @@ fn searched_cells<'a>(
                 if !tile.is_inner(1 - axis, number) || !differ {
                     continue;
                 }
+                if !cells.moves(line, at) {
+                    skipped.insert((line, at as i64));
+                    continue;
+                }
                 let number = (axis * columns * rows + point) as u32;
                 let mut choice = tile.stream.single(Single::FilmEdge, [number, 0, 0]) as f64;
                 // Equal radiances mostly mean that there is no jump, unless both are in shadow.
                 let mut weight = 1;
                 let radiance = image.radiance[point];
-                if radiance == image.radiance[next] && radiance != [0.0; 3] {
+                let ends = [at, at + 1].map(|at| cells.direction(line, at as f64));
+                let is_unlikely = radiance == image.radiance[next]
+                    && radiance != [0.0; 3]
+                    && (cells.goes_on(ends, [a, b])
+                        || !crowds.contain(cells.position(line, at as i64), search.counts));
+                if is_unlikely {
                     weight = UNLIKELY;
                     choice *= UNLIKELY as f64;
                 }
-                if choice >= 1.0 || !cells.moves(line, at) {
+                if choice >= 1.0 {
                     skipped.insert((line, at as i64));
                     continue;
                 }
@@ -146,20 +162,27 @@ fn look(
     cells.scene.probe(start, sides, stream, index, counts)
 }
 
-/// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density.
-fn sample(cells: &LatticeCells, met: &Jump<FilmCell>) -> Option<BoundarySample> {
+/// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density. In a
+/// crowd the speed is that of the point of the edge.
+fn sample(cells: &LatticeCells, met: &Jump<FilmCell>, in_crowd: bool) -> Option<BoundarySample> {
     let FilmTile { view, tile, .. } = *cells.film;
     let axis = met.cell.axis();
-    let c = met
-        .boundary
-        .normal(view.geometry, view.camera.origin.as_dvec3());
-    let gradient = view.camera.direction_per_pixel().map(|d| c.dot(d));
+    let at = met.cell.position(met.s);
+    let origin = view.camera.origin.as_dvec3();
+    let per_pixel = view.camera.direction_per_pixel();
+    let mut boundary = met.boundary;
+    if in_crowd {
+        let direction = cells.direction_at(at);
+        boundary = boundary.of_point(view.geometry, origin, direction, per_pixel[1 - axis]);
+    }
+    let c = boundary.normal(view.geometry, origin);
+    let gradient = per_pixel.map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
     let weight = met.jump * (velocity * tile.step[1 - axis]);
     Some(BoundarySample {
-        boundary: met.boundary,
+        boundary,
         lane: 0,
-        at: Coordinate::Film(met.cell.position(met.s)),
+        at: Coordinate::Film(at),
         weight: weight.as_vec3().to_array(),
     })
 }

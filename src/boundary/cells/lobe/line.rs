@@ -8,8 +8,15 @@
 //! so they are combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along
 //! the line: that removes the 1/F_f of ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
 //!
-//! **Diffuse crate::boundary::inclusion::Intervals;
+//! **Diffuse lobes**: the axes lie on the horizon, and the line goes through the
+//! cosine-distributed bounce, so that p(φ) = sin φ / 2 with φ counted from the horizon.
+//!
+//! **Reflected and refracted lobes**: the axes lie across the direction of a smooth surface, and φ
+//! has the marginal density of a lobe of GGX's shape, as wide as the roughness turns that direction
+//! (docs/method.md, 5).
+
 use crate::boundary::inclusion::Intervals;
+use crate::boundary::shadows::chance_of_any;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
@@ -241,7 +248,7 @@ impl Line {
     }
 
     /// The points of a line of diffuse light, increasing, and which of them is the bounce.
-    pub fn points(jitter: f64, bounce: Option<f64>) -> (Vec<f64>, Option<usize>) {
+    fn points(jitter: f64, bounce: Option<f64>) -> (Vec<f64>, Option<usize>) {
         let end = FRAC_PI_2 - RIM;
         let inner =
             (0..INNER_POINTS).map(|k| PI * (k as f64 + jitter) / INNER_POINTS as f64 - FRAC_PI_2);
@@ -373,14 +380,24 @@ impl Line {
     /// The intervals between borders at these ψ, increasing.
     pub fn intervals(&self, psi: &[f64]) -> Intervals {
         let places = psi.iter().map(|&psi| self.place(psi)).collect();
-        // The density of the bounce on its line is 2/π cos²ψ.
-        let below = |psi: f64| 0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI;
-        let ends = psi.iter().map(|&psi| below(psi));
-        let mut intervals = Intervals::with_extra(places, ends);
+        let mut intervals =
+            Intervals::with_extra(places, psi.iter().map(|&psi| bounces_below(psi)));
         if !self.through_bounce {
             intervals.extra.fill(0.0);
         }
         intervals
+    }
+
+    /// The chance that any point lies between two ψ.
+    pub fn chance_between(&self, interval: [f64; 2]) -> f64 {
+        let [from, to] = interval.map(|psi| self.place(psi));
+        let [below, above] = interval.map(bounces_below);
+        let extra = if self.through_bounce {
+            above - below
+        } else {
+            0.0
+        };
+        chance_of_any(to - from, extra)
     }
 
     /// Of a ψ in distances of the jittered points.
@@ -391,6 +408,12 @@ impl Line {
         };
         part * INNER_POINTS as f64
     }
+}
+
+/// The chance that the bounce lies below a ψ of its line: cosine-distributed directions are uniform
+/// over the disk, of which sin ψ is a coordinate, so that its density is 2/π cos²ψ.
+fn bounces_below(psi: f64) -> f64 {
+    0.5 + (psi + psi.sin() * psi.cos()) * FRAC_1_PI
 }
 
 /// The part of a line that lies above the horizon of `n`, as an interval of ψ: a little less, since
