@@ -7,6 +7,7 @@ use crate::discontinuity::crossing::{Crossing, Kind, Reservoir};
 use crate::discontinuity::walk::{Walk, walk};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
+use crate::paths::light::lamp::Lamp;
 use crate::paths::rays::{OFFSET, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
@@ -107,6 +108,18 @@ impl SurfacePoint {
     }
 }
 
+/// Where a light is looked for, over an interval.
+pub struct Way<'a, D> {
+    /// Linear in the coordinate up to its length.
+    pub direction: &'a D,
+    /// How far along it the light is.
+    pub far: f32,
+    /// What hides nothing.
+    pub lamp: Option<&'a Lamp>,
+    /// Whether coordinate 1 is known to be open.
+    pub is_open_at_one: bool,
+}
+
 /// What following occluders over an interval came to.
 pub enum Followed {
     /// The last one ends, and nothing hides what lies beyond.
@@ -118,15 +131,19 @@ pub enum Followed {
 }
 
 /// Walks from the occluder that stands in the direction of coordinate 0 toward coordinate 1, and
-/// where another occluder stands behind the silhouette, on along that one. `direction` is linear in
-/// the coordinate up to its length, the light is `far` times that away, and coordinate 1 may be
-/// known to be open.
-pub fn follow_occluders(
+/// where another occluder stands behind the silhouette, on along that one.
+pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     scene: &SearchScene,
     point: &SurfacePoint,
-    (direction, far, is_open_at_one): (&impl Fn(f64) -> DVec3, f32, bool),
+    way: &Way<D>,
     counts: &mut Counts,
 ) -> Followed {
+    let Way {
+        direction,
+        far,
+        lamp,
+        is_open_at_one,
+    } = *way;
     let SearchScene {
         view, adjacency, ..
     } = *scene;
@@ -136,7 +153,7 @@ pub fn follow_occluders(
             return is_open_at_one;
         }
         counts.probe += 1;
-        point.first_hit(view, direction(at), far) == NO_TRIANGLE
+        !is_occluder(point.first_hit(view, direction(at), far), lamp)
     };
     // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
     // hides.
@@ -164,7 +181,7 @@ pub fn follow_occluders(
     for _ in 0..MAX_OCCLUDERS {
         counts.probe += 1;
         let triangle = point.first_hit(view, direction(at), far);
-        if triangle == NO_TRIANGLE {
+        if !is_occluder(triangle, lamp) {
             return Followed::Lost(at);
         }
         let arc = Arc {
@@ -198,4 +215,9 @@ pub fn follow_occluders(
         }
     }
     Followed::Lost(at)
+}
+
+/// Whether a triangle that is seen hides the light.
+pub fn is_occluder(triangle: u32, lamp: Option<&Lamp>) -> bool {
+    triangle != NO_TRIANGLE && lamp.is_none_or(|lamp| lamp.patch(triangle).is_none())
 }

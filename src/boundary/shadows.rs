@@ -6,9 +6,10 @@
 //! from its two ends alone. Both ends are weighed by 1/P [HorvitzThompson1952]. If they move alike,
 //! as those of a thin thing do, what they bring together stays bounded however small P is.
 
-use crate::boundary::occlusion::{Followed, OccluderEnd, SurfacePoint, follow_occluders};
+use crate::boundary::occlusion::{Followed, OccluderEnd, SurfacePoint, Way, follow_occluders};
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::counts::Counts;
+use crate::paths::light::lamp::Lamp;
 use glam::DVec3;
 
 /// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
@@ -30,6 +31,11 @@ pub trait ShadowLine {
 
     /// How far along them the light is.
     fn far(&self) -> f32;
+
+    /// What is seen on it, if that is one lamp: it hides nothing.
+    fn lamp(&self) -> Option<&Lamp> {
+        None
+    }
 
     /// The chance that any of the line's points besides its two ends lies between two coordinates.
     fn chance_between(&self, interval: [f64; 2]) -> f64;
@@ -109,8 +115,13 @@ impl<L: ShadowLine> Shadows<'_, L> {
             };
             let ends = [self.points[from], self.points[to]];
             let between = line.between(ends);
-            let way = (&between, line.far(), self.is_open[to]);
-            match follow_occluders(scene, point, way, counts) {
+            let way = Way {
+                direction: &between,
+                far: line.far(),
+                lamp: line.lamp(),
+                is_open_at_one: self.is_open[to],
+            };
+            match follow_occluders(scene, point, &way, counts) {
                 Followed::End(end) => {
                     let at = line.coordinate(ends, end.at);
                     return Reach::Edge(end, at);

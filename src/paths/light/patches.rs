@@ -5,6 +5,7 @@
 //! (`boundary::cells::light`), and a point keeps its (s, r) when the light moves.
 
 use crate::lanes::{LANES, Lane};
+use crate::paths::light::lamp::Lamp;
 use crate::scene::{Layout, Rgb, Scene};
 use crate::trace::geometry::Geometry;
 use glam::Vec3;
@@ -26,7 +27,7 @@ pub struct Patch {
     /// Chance of being picked.
     pub probability: f32,
     /// The triangles whose corners `lower` and `upper` are.
-    triangles: [u32; 2],
+    pub(super) triangles: [u32; 2],
     /// By how much these are turned.
     turns: [u8; 2],
 }
@@ -44,6 +45,8 @@ pub struct Lights {
     pub of_mesh: Vec<Option<u32>>,
     /// Whether any light's radiance is not constant.
     pub any_texture: bool,
+    /// The lights that are one thing from outside.
+    pub lamps: Vec<Option<Lamp>>,
     /// Probability over area of picking a point on a light: the same everywhere on it.
     pub pdf_area: Vec<f32>,
 }
@@ -53,11 +56,20 @@ impl Lights {
     pub fn new(scene: &Scene, geometry: &Geometry, black_too: bool) -> Self {
         let mut patches = Vec::new();
         let mut power = Vec::new();
+        let mut lamps = Vec::new();
         for (index, light) in scene.area_lights.iter().enumerate() {
             let texels = &scene.textures[light.radiance].texels;
             let all: f64 = texels.iter().map(|&t| luminance(t)).sum();
             let level = all / texels.len() as f64;
-            for mut patch in pair_triangles(geometry, light.mesh) {
+            let twins = twins(geometry, light.mesh);
+            let own = pair_triangles(geometry, light.mesh, &twins);
+            lamps.push(Lamp::new(
+                geometry,
+                light.mesh,
+                &twins,
+                (patches.len(), &own),
+            ));
+            for mut patch in own {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
                 let area = patch.edges[0].cross(patch.edges[1]).length() as f64 * halves;
@@ -84,6 +96,9 @@ impl Lights {
             let probability = share / total;
             patch.probability = probability as f32;
             pdf_area[patch.light as usize] = (probability / area) as f32;
+            if let Some(lamp) = &mut lamps[patch.light as usize] {
+                lamp.chance += probability;
+            }
             sum += probability;
             cumulative.push(sum as f32);
         }
@@ -97,6 +112,7 @@ impl Lights {
             any_texture: !scene.area_lights.iter().all(|l| is_constant(l.radiance)),
             patches,
             cumulative,
+            lamps,
             of_mesh,
             pdf_area,
         }
@@ -154,6 +170,17 @@ impl Patch {
         (triangle, [own(1), own(2)])
     }
 
+    /// The (s, r) of a point of one of its triangles, from the triangle's own barycentrics: the
+    /// inverse of [`Patch::triangle_at`].
+    pub fn place_on(&self, triangle: u32, [b1, b2]: [f64; 2]) -> [f64; 2] {
+        let is_upper = self.upper.is_some() && triangle == self.triangles[1];
+        let turn = usize::from(self.turns[is_upper as usize]);
+        let own = [1.0 - b1 - b2, b1, b2];
+        let of_patch = |corner: usize| own[(corner + turn) % 3];
+        let [s, r] = [of_patch(1), of_patch(2)];
+        if is_upper { [1.0 - s, 1.0 - r] } else { [s, r] }
+    }
+
     /// World position of (`s`, `r`), as it is now.
     pub fn point(&self, s: f32, r: f32) -> Vec3 {
         self.corner + self.edges[0] * s + self.edges[1] * r
@@ -175,18 +202,18 @@ pub fn luminance(c: Rgb) -> f64 {
 }
 
 /// No half-edge.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Joins triangles of a mesh that share a diagonal into parallelograms, each triangle at most once,
 /// in order.
-fn pair_triangles(geometry: &Geometry, mesh: usize) -> Vec<Patch> {
+fn pair_triangles(geometry: &Geometry, mesh: usize, twins: &[u32]) -> Vec<Patch> {
     let position = |v: u32| geometry.positions[v as usize];
     let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
     let triangles = &geometry.triangles[first as usize..end as usize];
     // The diagonals of each pair, both as half-edges, the first under its own triangle.
     let mut partner = vec![None; triangles.len()];
     let mut taken = vec![false; triangles.len()];
-    for (half_edge, &twin) in twins(geometry, mesh).iter().enumerate() {
+    for (half_edge, &twin) in twins.iter().enumerate() {
         let (t, c) = (half_edge / 3, half_edge % 3);
         let (other, k) = (twin as usize / 3, twin as usize % 3);
         if twin == NONE || taken[t] || taken[other] {

@@ -13,15 +13,15 @@
 //! it crosses the cell once. A shadow that is shorter than the spacing of the points may be missed,
 //! and is weighed for that (`crate::boundary::reciprocal`).
 
+use super::{PAIRS, POINTS, chance_of_point, points};
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
 use crate::boundary::search_scene::SearchScene;
-use crate::boundary::shadows::{ShadowLine, Shadows, chance_of_any};
+use crate::boundary::shadows::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
 use crate::kernels::light::triangle_irradiance;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
-use crate::paths::dimensions::Pair;
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
@@ -33,19 +33,14 @@ use glam::{DVec3, Vec3};
 /// The ends of a line lie this far inside the light, where no ray grazes its border.
 const RIM: f32 = 1e-4;
 
-/// Jittered points between the ends of a line.
-const INNER_POINTS: usize = 2;
-/// Of a line: its ends, those, and one more.
-const POINTS: usize = INNER_POINTS + 3;
-
-/// Finds what jumps on both lines through every lane's light sample.
-pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, out: &mut Found) {
-    let facing = facing_light(at, &draw.patch);
+/// Finds what jumps on both lines through the light samples of these lanes, if they stand on the
+/// bright side of their patches.
+pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mut Found) {
+    let facing = lanes & facing_light(at, &draw.patch);
     if facing == 0 {
         return;
     }
-    let pairs = [Pair::LightLineAlongS, Pair::LightLineAlongR];
-    for (axis, pair) in pairs.into_iter().enumerate() {
+    for (axis, pair) in PAIRS.into_iter().enumerate() {
         let (jitter, extra) = at.numbers.pair(pair);
         let lines = LightLines {
             scene,
@@ -59,19 +54,14 @@ pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, out: &mut Found) {
     }
 }
 
-/// Lanes that stand on the bright side of their patch and reflect anything.
+/// Lanes that stand on the bright side of their patch.
 fn facing_light(at: &At, patch: &[u32; LANES]) -> u32 {
-    let (view, vertices) = (at.view, at.vertices);
-    let mut bits = 0u32;
-    for l in (0..LANES).filter(|&l| vertices.hit >> l & 1 == 1) {
-        let p = &view.lights.patches[patch[l] as usize];
-        let front = p.edges[0]
-            .cross(p.edges[1])
-            .dot(lane_of(at.surface.x, l) - p.corner)
-            > 0.0;
-        bits |= (front as u32) << l;
-    }
-    bits & vertices.kinds.lit_by_samples() & !view.reflects_nothing(vertices)
+    let front = |l: &usize| {
+        let p = &at.view.lights.patches[patch[*l] as usize];
+        let normal = p.edges[0].cross(p.edges[1]);
+        normal.dot(lane_of(at.surface.x, *l) - p.corner) > 0.0
+    };
+    (0..LANES).filter(front).fold(0, |bits, l| bits | 1 << l)
 }
 
 /// The lines of one direction of all lanes.
@@ -97,8 +87,8 @@ impl LightLines<'_> {
         }
         let positions: [[f32; LANES]; POINTS] = {
             let points: [_; LANES] =
-                std::array::from_fn(|l| points(ends[l], self.jitter[l], self.extra[l]));
-            std::array::from_fn(|i| std::array::from_fn(|l| points[l][i]))
+                std::array::from_fn(|l| points(ends[l], [self.jitter[l], self.extra[l]]));
+            std::array::from_fn(|i| std::array::from_fn(|l| points[l][i] as f32))
         };
         let visible = positions.map(|along| self.visible(&along, active, out));
         let jumps = visible.windows(2).fold(0, |bits, v| bits | (v[0] ^ v[1]));
@@ -164,20 +154,6 @@ impl LightLines<'_> {
     }
 }
 
-/// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there
-/// would be shadows that are never found: those that always have the line's end for a neighbour,
-/// where that is hidden by something else.
-fn points([from, to]: [f32; 2], jitter: f32, extra: f32) -> [f32; POINTS] {
-    let mut points = [from; POINTS];
-    for (i, point) in points[1..=INNER_POINTS].iter_mut().enumerate() {
-        *point += (to - from) * (i as f32 + jitter) / INNER_POINTS as f32;
-    }
-    points[POINTS - 2] += (to - from) * extra;
-    points[POINTS - 1] = to;
-    points.sort_by(f32::total_cmp);
-    points
-}
-
 /// The part of a line whose points stand higher than the surface's horizon, given the heights at
 /// its ends.
 fn above_horizon([from, to]: [f32; 2], [low, high]: [f32; 2]) -> Option<[f32; 2]> {
@@ -232,7 +208,7 @@ impl ShadowLine for LightLine<'_> {
     fn chance_between(&self, [low, high]: [f64; 2]) -> f64 {
         let [from, to] = self.ends.map(f64::from);
         let part = (high - low) / (to - from);
-        chance_of_any(part * INNER_POINTS as f64, part)
+        chance_of_point(part)
     }
 }
 

@@ -1,0 +1,257 @@
+//! Shadows on lamps of many triangles (`paths::light::lamp`).
+//!
+//! A line on one of a thousand triangles meets a shadow a thousand times as seldom as one over the
+//! whole lamp. Here lines are arcs over the cone in which a lamp's sphere is seen, of two families
+//! about two axes across the cone's own (`boundary::cells::lobe::line`), one of each for a vertex.
+//! What is between the vertex and the lamp hides it; the lamp's own outline is no border in the
+//! lamp's coordinates, since light leaves it there along the surface.
+//!
+//! A border's velocity is that of its point, relative to the lamp's point behind it: a₁t₁ + a₂t₂
+//! with t the directions of both families there. Lines of a family bring its part of the sum.
+
+use super::{PAIRS, POINTS, chance_of_point, lamp_of, points};
+use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
+use crate::boundary::occlusion::{OccluderEnd, SurfacePoint, is_occluder};
+use crate::boundary::search_scene::SearchScene;
+use crate::boundary::shadows::{ShadowLine, Shadows};
+use crate::discontinuity::boundary::{Boundary, vector};
+use crate::kernels::triangle::triangle_hit;
+use crate::lanes::LANES;
+use crate::paths::at::At;
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::estimator::LightDraw;
+use crate::paths::light::lamp::Lamp;
+use crate::paths::moving::Sector;
+use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
+use crate::paths::surface::kinds::LightKind;
+use crate::trace::Coherence;
+use glam::{DVec3, Vec3};
+use std::f64::consts::FRAC_1_PI;
+
+/// How far beside a shadow's end the lamp is looked for, as a part of the line.
+const BESIDE: f64 = 2e-4;
+
+/// Finds what hides their lamps from these lanes.
+pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mut Found) {
+    if lanes == 0 {
+        return;
+    }
+    for (axis, pair) in PAIRS.into_iter().enumerate() {
+        let (jitter, extra) = at.numbers.pair(pair);
+        let random = [jitter.to_array(), extra.to_array()];
+        let lines: [Option<LampLine>; LANES] = std::array::from_fn(|lane| {
+            let drawn = (lanes >> lane & 1 == 1).then(|| lamp_of(at, draw, lane));
+            let place = f64::from(draw.square[1 - axis][lane]);
+            let random = random.map(|r| r[lane]);
+            LampLine::new(scene, (at, lane), drawn??, axis, (place, random))
+        });
+        let open: Vec<u32> = (0..POINTS)
+            .map(|i| open(scene, at, &lines, i, out))
+            .collect();
+        for (lane, line) in lines.iter().enumerate() {
+            let Some(line) = line else { continue };
+            let is_open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
+            let shadows = Shadows {
+                scene,
+                point: &line.point,
+                line,
+                points: &line.points,
+                is_open: &is_open,
+            };
+            for edge in shadows.edges(&mut out.counts) {
+                let sample = line.sample(scene, edge.end, edge.at, edge.jump);
+                out.samples.extend(sample);
+            }
+        }
+    }
+}
+
+/// The lanes from whose lamps nothing hides point `i` of their lines.
+fn open(
+    scene: &SearchScene,
+    at: &At,
+    lines: &[Option<LampLine>; LANES],
+    i: usize,
+    out: &mut Found,
+) -> u32 {
+    let mut ends = [Vec3::ZERO; LANES];
+    let mut active = 0u32;
+    for (lane, line) in lines.iter().enumerate() {
+        if let Some(line) = line {
+            ends[lane] = line.end(line.points[i]).as_vec3();
+            active |= 1 << lane;
+        }
+    }
+    if active == 0 {
+        return 0;
+    }
+    let surface = at.surface;
+    let rays = RayPacket::toward(surface.x, surface.geometric, from_lanes(&ends), active);
+    out.counts.light_cell += u64::from(active.count_ones());
+    let seen = scene.view.intersect(&rays, Coherence::Incoherent);
+    let is_open = |(lane, line): (usize, &Option<LampLine>)| {
+        let hidden = line
+            .as_ref()
+            .is_some_and(|l| is_occluder(seen[lane], Some(l.lamp)));
+        u32::from(!hidden) << lane
+    };
+    lines.iter().enumerate().map(is_open).sum::<u32>() & active
+}
+
+/// An arc over the cone in which a vertex sees a lamp.
+struct LampLine<'a> {
+    at: &'a At<'a>,
+    lane: usize,
+    lamp: &'a Lamp,
+    point: SurfacePoint,
+    x: DVec3,
+    /// Toward the lamp's centre, of full length.
+    way: DVec3,
+    axis: usize,
+    poles: [DVec3; 2],
+    middle: DVec3,
+    /// 1/p(φ).
+    inverse_density: f64,
+    /// Angles to the middle.
+    points: [f64; POINTS],
+}
+
+impl<'a> LampLine<'a> {
+    /// A lane's line, if anything may be found on it that moves.
+    fn new(
+        scene: &SearchScene,
+        (at, lane): (&'a At<'a>, usize),
+        lamp: &'a Lamp,
+        axis: usize,
+        (place, random): (f64, [f32; 2]),
+    ) -> Option<Self> {
+        let x = lane_of(at.surface.x, lane).as_dvec3();
+        let n = lane_of(at.surface.n, lane).as_dvec3();
+        let way = lamp.centre - x;
+        let main = way.normalize();
+        let poles: [DVec3; 2] = main.any_orthonormal_pair().into();
+        // The cone's half angle, and the turn about the pole.
+        let half = (lamp.radius / way.length()).asin();
+        let phi = half * (2.0 * place - 1.0);
+        let (pole, other) = (poles[axis], poles[1 - axis]);
+        let middle = main * phi.cos() + other * phi.sin();
+        let reach = (half.cos() / phi.cos()).min(1.0).acos();
+        let [low, high] = above_horizon(pole, middle, n)?;
+        let ends = [low.max(-reach), high.min(reach)];
+        let sector = Sector {
+            origin: x,
+            normal: pole.cross(middle),
+            inward: [middle, n],
+        };
+        let moves = at.vertices.moves >> lane & 1 == 1
+            || scene.moving.vertex(scene.view.geometry, lamp.vertex)
+            || scene.moving.meets(&sector);
+        (moves && ends[0] < ends[1]).then(|| Self {
+            at,
+            lane,
+            lamp,
+            point: SurfacePoint::of_lane(at, lane),
+            x,
+            way,
+            axis,
+            poles,
+            middle,
+            inverse_density: 2.0 * half,
+            points: points(ends, random),
+        })
+    }
+
+    /// The unit direction at an angle.
+    fn direction(&self, psi: f64) -> DVec3 {
+        self.poles[self.axis] * psi.sin() + self.middle * psi.cos()
+    }
+
+    /// Where it meets the plane through the lamp's centre across the way there: what hides the lamp
+    /// is nearer.
+    fn end(&self, psi: f64) -> DVec3 {
+        let d = self.direction(psi);
+        self.x + d * (self.way.length_squared() / self.way.dot(d))
+    }
+
+    /// What the end of a shadow brings, if the lamp is seen beside it.
+    fn sample(
+        &self,
+        scene: &SearchScene,
+        end: OccluderEnd,
+        psi: f64,
+        jump: f64,
+    ) -> Option<BoundarySample> {
+        let (view, geometry) = (scene.view, scene.view.geometry);
+        let At {
+            vertices, surface, ..
+        } = *self.at;
+        // Beside it, away from what hides.
+        let extent = self.points[POINTS - 1] - self.points[0];
+        let beside = psi - jump.signum() * BESIDE * extent;
+        let toward = self.between([beside, beside])(0.0);
+        let triangle = self.point.first_hit(view, toward, self.far());
+        let patch = self.lamp.patch(triangle)?;
+        let d = self.direction(psi);
+        let corners = geometry.triangles[triangle as usize];
+        let [v0, v1, v2] = corners.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+        let (t, b1, b2) = triangle_hit(vector(self.x), vector(d), v0, v1, v2);
+        let place = view.lights.patches[patch as usize].place_on(triangle, [b1, b2]);
+
+        let lane = self.lane;
+        let x = vertices.position(geometry, lane);
+        let tangents = self.poles.map(|pole| (pole - d * d.dot(pole)).normalize());
+        let edge = Boundary::Edge(end.edge);
+        let boundary = match end.along {
+            Some(_) => edge.of_point(geometry, x, d, tangents[1 - self.axis]),
+            None => edge,
+        };
+        let c = boundary.normal(geometry, x);
+        let per_side = match boundary {
+            Boundary::Point { .. } => -psi.cos() / c.dot(tangents[self.axis]),
+            _ => line_weight(self.poles, self.axis, c, d)?,
+        };
+        let [s, r] = place.map(|p| p as f32);
+        let radiance = Vec3::from(view.patch_radiance(patch, s, r));
+        let w = from_lanes(&[d.as_vec3(); LANES]);
+        let value = view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled);
+        let colour = lane_of(vertices.throughput, lane) * lane_of(value, lane) * radiance;
+        let cos = lane_of(surface.n, lane).as_dvec3().dot(d).max(0.0);
+        // F is linear in the direction, which is of length t where the sweeps evaluate it.
+        let density = self.inverse_density / (t * self.lamp.chance);
+        let brings = colour.as_dvec3() * (jump * per_side * cos * FRAC_1_PI * density);
+        brings.is_finite().then(|| BoundarySample {
+            boundary,
+            lane: lane as u8,
+            at: Coordinate::Light { patch, at: place },
+            weight: brings.as_vec3().to_array(),
+        })
+    }
+}
+
+impl ShadowLine for LampLine<'_> {
+    fn between(&self, ends: [f64; 2]) -> impl Fn(f64) -> DVec3 {
+        let [a, b] = ends.map(|psi| self.end(psi));
+        move |s| {
+            let y = a.lerp(b, s);
+            y - self.point.leave(y - self.x).as_dvec3()
+        }
+    }
+
+    fn coordinate(&self, ends: [f64; 2], s: f64) -> f64 {
+        let [a, b] = ends.map(|psi| self.end(psi));
+        let d = a.lerp(b, s) - self.x;
+        self.poles[self.axis].dot(d).atan2(self.middle.dot(d))
+    }
+
+    fn far(&self) -> f32 {
+        SHADOW_FAR
+    }
+
+    fn lamp(&self) -> Option<&Lamp> {
+        Some(self.lamp)
+    }
+
+    fn chance_between(&self, [low, high]: [f64; 2]) -> f64 {
+        chance_of_point((high - low) / (self.points[POINTS - 1] - self.points[0]))
+    }
+}

@@ -1,0 +1,109 @@
+//! Lights of many triangles that are round: seen from outside, one thing.
+
+use crate::paths::light::patches::{NONE, Patch};
+use crate::trace::geometry::Geometry;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Of so many patches a light is more than the sum of its parts.
+const MANY: usize = 12;
+/// A vertex that stands out of a plane by less than this part of the mesh's extent lies in it.
+const FLAT: f64 = 1e-5;
+
+/// A convex light of many patches that shines outward. From outside none of it hides another part,
+/// so that what hides it are other things.
+pub struct Lamp {
+    /// Of a sphere around it.
+    pub centre: DVec3,
+    pub radius: f64,
+    /// One of its vertices.
+    pub vertex: u32,
+    /// Chance of picking any of its patches.
+    pub chance: f64,
+    triangles: Range<u32>,
+    /// The patch of each of its triangles.
+    patches: Vec<u32>,
+}
+
+impl Lamp {
+    /// The lamp that a mesh with these patches is, the first of which has number `first_patch`, and
+    /// with these twins of its half-edges ([`twins`]); `None` if it is none.
+    ///
+    /// [`twins`]: crate::paths::light::patches
+    pub fn new(
+        geometry: &Geometry,
+        mesh: usize,
+        twins: &[u32],
+        (first_patch, patches): (usize, &[Patch]),
+    ) -> Option<Self> {
+        if patches.len() < MANY {
+            return None;
+        }
+        let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
+        let vertices =
+            geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
+        let positions = geometry.positions[vertices].iter().map(|p| p.as_dvec3());
+        let low = positions.clone().fold(DVec3::INFINITY, DVec3::min);
+        let high = positions.clone().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = 0.5 * (low + high);
+        let radius = positions.map(|p| p.distance(centre)).fold(0.0, f64::max);
+        if !is_convex(geometry, mesh, twins, FLAT * radius) {
+            return None;
+        }
+        let mut own = vec![0; (end - first) as usize];
+        for (number, patch) in patches.iter().enumerate() {
+            for triangle in patch.triangles {
+                own[(triangle - first) as usize] = (first_patch + number) as u32;
+            }
+        }
+        Some(Self {
+            centre,
+            radius,
+            vertex: geometry.first_vertex[mesh],
+            chance: 0.0,
+            triangles: first..end,
+            patches: own,
+        })
+    }
+
+    /// Its patch that a triangle belongs to.
+    pub fn patch(&self, triangle: u32) -> Option<u32> {
+        self.triangles
+            .contains(&triangle)
+            .then(|| self.patches[(triangle - self.triangles.start) as usize])
+    }
+}
+
+/// Whether a mesh is the surface of one convex body, seen from outside: closed, of one piece, and
+/// nowhere bent inward.
+fn is_convex(geometry: &Geometry, mesh: usize, twins: &[u32], flat: f64) -> bool {
+    let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m] as usize);
+    let triangles = &geometry.triangles[first..end];
+    let corner = |half_edge: usize| {
+        let v = triangles[half_edge / 3][half_edge % 3];
+        geometry.positions[v as usize].as_dvec3()
+    };
+    let mut joined = 0;
+    for (half_edge, &twin) in twins.iter().enumerate() {
+        if twin == NONE {
+            continue;
+        }
+        joined += 1;
+        let [a, b, c] = triangles[half_edge / 3].map(|v| geometry.positions[v as usize].as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        if normal.dot(corner(twin as usize) - a) > flat {
+            return false;
+        }
+    }
+    // Each edge is shared by two, and vertices - edges + faces = 2.
+    let welded = geometry.welded(mesh);
+    let v0 = geometry.first_vertex[mesh];
+    let mut used: Vec<u32> = triangles
+        .iter()
+        .flatten()
+        .map(|&v| welded[(v - v0) as usize])
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    2 * joined == twins.len() && used.len() + triangles.len() == joined + 2
+}
