@@ -23,7 +23,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
                 (TAU * (a * u + b * v + between(0.0, 1.0, key, 42))).sin()
             };
             let sum: f64 = (0..WAVES).map(wave).sum();
-            (0.45 + 0.16 * sum).clamp(0.03, 0.9) as f32
+            (0.4 + 0.09 * sum).clamp(0.02, 0.9) as f32
         })
     });
     let image = Image {
