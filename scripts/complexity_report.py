@@ -3,14 +3,14 @@ import csv, io, math
 
 COLOURS = {"low": "#2166ac", "middle": "#4d9221", "high": "#b2182b"}
 COLUMNS = [
-    "seconds", "setup_seconds", "megabytes", "rays", "variance", "spread", "error2", "amplitude",
-    "amplitude_error", "bias", "bias_limits", "efficiency", "efficiency_by_variance", "worst",
-    "calibration", "silhouettes", "not_found", "largest_part", "largest", "truth_largest", "finite",
-    "rejected", "warnings",
+    "seconds", "setup_seconds", "megabytes", "rays", "variance", "spread", "error2", "error", "rms",
+    "rms_known", "amplitude", "amplitude_error", "bias", "bias_limits", "blocks", "efficiency",
+    "efficiency_by_variance", "worst", "calibration", "silhouettes", "not_found", "largest_part",
+    "largest", "truth_largest", "finite", "rejected", "warnings",
 ]
-HEAD = ("| scene | direction | spp | method | s | error | spread | variance | amplitude | bias "
-        "| reference's noise | efficiency | worst ten | spread / stated | silhouettes | not found "
-        "| largest part |")
+HEAD = ("| scene | direction | spp | method | s | error | variance | amplitude | bias "
+        "| amplitude of blocks | bias of blocks | reference's noise | efficiency | worst ten "
+        "| spread / stated | silhouettes | not found | largest part |")
 
 
 def write_reports(out, results):
@@ -49,19 +49,28 @@ def as_markdown(results):
 
 
 def row(cell, method, n):
-    low, high = n["bias_limits"]
-    # Two standard errors that reach zero: a bound and no value.
-    bias = f"{n['bias']:.3f} ({low:.3f} … {high:.3f})" if low > 0 else f"< {high:.3f}"
-    error = f"{n['error2'] ** 0.5:.4f}" if n["error2"] > 0 else "–"
-    efficiency = n.get("efficiency")
+    noise = cell["reference"]["noise"]
     return "| " + " | ".join([
         f"{cell['scene']} {cell['density']}", cell["direction"], str(cell["spp"]), method,
-        f"{n['seconds']:.2f}", error, f"{n['spread']:.4f}", f"{n['variance']:.3g}",
-        f"{n['amplitude']:.3f} ± {n['amplitude_error']:.3f}", bias,
-        f"{cell['reference']['noise']:.3f}", "–" if efficiency is None else f"{efficiency:.3g}",
+        f"{n['seconds']:.2f}", number(n["error"] if n["rms_known"] else None),
+        f"{n['variance']:.3g}", *amplitude_and_bias(n), *amplitude_and_bias(n["blocks"]),
+        number(noise if n["rms_known"] else None), number(n.get("efficiency")),
         f"{n['worst']:.0%}", f"{n['calibration']:.2f}", f"{n['silhouettes']:.0f}",
         f"{n['not_found']:.0f}", f"{n['largest_part']:.2f}",
     ]) + " |"
+
+
+def number(x):
+    return "–" if x is None else f"{x:.3g}"
+
+
+def amplitude_and_bias(n):
+    if not n["rms_known"]:
+        return "?", "?"
+    low, high = n["bias_limits"]
+    # Two standard errors that reach zero: a bound and no value.
+    bias = f"{n['bias']:.3g} ({low:.3g} … {high:.3g})" if low > 0 else f"< {high:.3g}"
+    return f"{n['amplitude']:.3f} ± {n['amplitude_error']:.3f}", bias
 
 
 def chart(scene, cells):
@@ -85,7 +94,7 @@ def chart(scene, cells):
             out += axes(frame) + lines(frame, [p for p in points if p[0] == direction])
         out += legend(left, top + height + 58, points)
         out.append(f'<text transform="translate(14 {top + height / 2}) rotate(-90)" '
-                   'text-anchor="middle">error of one run over the reference\'s RMS</text>')
+                   'text-anchor="middle">RMS error of one run, in units of the image</text>')
     return "\n".join([*out, "</svg>"]) + "\n"
 
 

@@ -11,6 +11,8 @@ use crate::xml::{Scene, constant, floor, lamp, ply};
 use std::f64::consts::TAU;
 
 /// Upright slats, half as wide as they are apart (2.9, 0.6 and 0.12 pixels of 64), and three bars.
+/// The lamp is behind the camera: what is nearest to its plane, seen or not, decides how far finite
+/// differences step.
 pub fn fence(density: Density) -> Made {
     const HALF_LENGTH: f64 = 2.0;
     let count = density.of([20, 100, 500]);
@@ -44,9 +46,9 @@ pub fn fence(density: Density) -> Made {
                 + &wall("wall", 4.0, 3.0)
                 + &lamp(
                     "lamp",
-                    r#"<scale value="0.5"/><rotate x="1" angle="-20"/>
-      <translate x="-1" y="-2" z="4"/>"#,
-                    "40, 38, 34",
+                    r#"<scale value="0.5"/><rotate x="1" angle="45"/>
+      <translate x="-1" y="-4.5" z="4"/>"#,
+                    "50, 47, 42",
                 )
                 + &constant("0.35, 0.4, 0.5"),
         },
