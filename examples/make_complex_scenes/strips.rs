@@ -84,6 +84,7 @@ fn bar(mesh: &mut Mesh, low: Point, high: Point) {
 }
 
 /// Ribbons of eight segments that grow from a ball and hang: 0.2, 0.06 and 0.02 pixels of 64 wide.
+/// Unless `flat` is said, their normals change across them, and fast, since they are narrow.
 pub fn hair(density: Density) -> Made {
     let count = density.of([200, 2_000, 20_000]);
     let width = 0.0066 / (count as f64 / 200.0).sqrt();
@@ -99,7 +100,7 @@ pub fn hair(density: Density) -> Made {
             fov: 30.0,
             origin: "0, -4, 1.3",
             target: "0, 0, 0.75",
-            body: ply("hair", "hair", "false", "", "0.5, 0.25, 0.08")
+            body: ply("hair", "hair", "$flat", "", "0.5, 0.25, 0.08")
                 + &ply("ball", "ball", "false", "", "0.7, 0.65, 0.6")
                 + &floor(6.0)
                 + &lamp(
