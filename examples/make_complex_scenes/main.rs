@@ -34,8 +34,10 @@ use made::{Density, Made};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+type Make = fn(Density) -> Made;
+
 /// Every name, and what makes the scene. The forest is made elsewhere.
-const FAMILY: [(&str, fn(Density) -> Made); 6] = [
+const FAMILY: [(&str, Make); 6] = [
     ("hedge", plants::hedge),
     ("grass", plants::grass),
     ("specks", specks::specks),
