@@ -36,16 +36,33 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
 
 /// A wall across the view, at this distance behind the origin, that shows the picture.
 pub fn wall(id: &str, half: f64, y: f64) -> String {
+    let bsdf = format!("<bsdf type=\"diffuse\">{}</bsdf>", picture("reflectance"));
+    rectangle(id, half, y, &bsdf)
+}
+
+/// The same, but it shines: with paths of one segment nothing but the film is at stake.
+pub fn bright_wall(id: &str, half: f64, y: f64) -> String {
+    let emitter = format!("<emitter type=\"area\">{}</emitter>", picture("radiance"));
+    rectangle(id, half, y, &emitter)
+}
+
+fn picture(role: &str) -> String {
+    format!(
+        r#"
+      <texture type="bitmap" name="{role}">
+        <string name="filename" value="bands.png"/>
+      </texture>
+    "#
+    )
+}
+
+fn rectangle(id: &str, half: f64, y: f64, what: &str) -> String {
     format!(
         r#"  <shape type="rectangle" id="{id}">
     <transform name="to_world">
       <scale value="{half}"/><rotate x="1" angle="90"/><translate y="{y}"/>
     </transform>
-    <bsdf type="diffuse">
-      <texture type="bitmap" name="reflectance">
-        <string name="filename" value="bands.png"/>
-      </texture>
-    </bsdf>
+    {what}
   </shape>
 "#
     )

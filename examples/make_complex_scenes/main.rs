@@ -37,11 +37,13 @@ use std::path::{Path, PathBuf};
 type Make = fn(Density) -> Made;
 
 /// Every name, and what makes the scene. The forest is made elsewhere.
-const FAMILY: [(&str, Make); 6] = [
+const FAMILY: [(&str, Make); 8] = [
     ("hedge", plants::hedge),
     ("grass", plants::grass),
     ("specks", specks::specks),
+    ("specks_film", specks::specks_film),
     ("fence", strips::fence),
+    ("fence_film", strips::fence_film),
     ("hair", strips::hair),
     ("lamp", lights::lamp),
 ];

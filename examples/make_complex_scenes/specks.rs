@@ -1,6 +1,6 @@
 //! Triangles smaller than a pixel before a picture that rests.
 
-use crate::bands::wall;
+use crate::bands::{bright_wall, wall};
 use crate::made::{Density, Made};
 use crate::mesh::Mesh;
 use crate::placing::{axes, in_ball, place};
@@ -45,5 +45,21 @@ pub fn specks(density: Density) -> Made {
         meshes: vec![("specks", specks)],
         bent: "specks",
         bands: true,
+    }
+}
+
+/// The same cloud, dark, before a picture that shines, in paths of one segment.
+pub fn specks_film(density: Density) -> Made {
+    let made = specks(density);
+    Made {
+        scene: Scene {
+            name: "specks_film",
+            comment: "Triangles smaller than pixels before a picture that shines.",
+            max_depth: 1,
+            body: ply("specks", "specks", "true", "", "0.6, 0.45, 0.15")
+                + &bright_wall("wall", 2.6, 1.8),
+            ..made.scene
+        },
+        ..made
     }
 }

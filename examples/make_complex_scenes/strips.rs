@@ -1,6 +1,6 @@
 //! Long and thin things: slats and hairs, of which ever more fit into a pixel.
 
-use crate::bands::wall;
+use crate::bands::{bright_wall, wall};
 use crate::chance::{between, chance};
 use crate::lights::ball;
 use crate::made::{Density, Made};
@@ -55,6 +55,22 @@ pub fn fence(density: Density) -> Made {
         meshes: vec![("fence", mesh)],
         bent: "fence",
         bands: true,
+    }
+}
+
+/// The same fence, dark, before a picture that shines, in paths of one segment.
+pub fn fence_film(density: Density) -> Made {
+    let made = fence(density);
+    Made {
+        scene: Scene {
+            name: "fence_film",
+            comment: "A fence before a wall with a picture that shines. The camera moves past it.",
+            max_depth: 1,
+            body: ply("fence", "fence", "true", "", "0.6, 0.5, 0.38")
+                + &bright_wall("wall", 4.0, 3.0),
+            ..made.scene
+        },
+        ..made
     }
 }
 
