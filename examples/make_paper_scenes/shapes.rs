@@ -34,7 +34,7 @@ pub fn star() -> Mesh {
 }
 
 /// A unit icosahedron, each triangle cut in four as many times as is said, on the unit sphere.
-fn icosphere(cuts: usize) -> Mesh {
+pub fn icosphere(cuts: usize) -> Mesh {
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
     let mut mesh = Mesh::default();
     for [x, y] in [
@@ -174,7 +174,7 @@ fn minus(a: Point, b: Point) -> Point {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-fn cross(a: Point, b: Point) -> Point {
+pub fn cross(a: Point, b: Point) -> Point {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -182,7 +182,7 @@ fn cross(a: Point, b: Point) -> Point {
     ]
 }
 
-fn unit(a: Point) -> Point {
+pub fn unit(a: Point) -> Point {
     let length = dot(a, a).sqrt();
     a.map(|x| x / length)
 }
