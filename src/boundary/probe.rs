@@ -67,6 +67,7 @@ impl SearchScene<'_> {
         let integrator = Integrator {
             view: self.view,
             estimator: &Interior,
+            drift: None,
         };
         let mut store = TileStore::default();
         integrator.trace(&start, stream, index, &mut store);

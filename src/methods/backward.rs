@@ -16,10 +16,10 @@ use super::statistics::Statistics;
 use crate::gradient::path::backward::BackwardSweep;
 use crate::gradient::scene::backward::{FilmSums, TileGradient, TileSums, Wanted};
 use crate::gradient::terms::Terms;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
 use crate::paths::counts::Counts;
-use crate::paths::film::filter::{Block, gather_point, gather_row};
+use crate::paths::film::filter::{Block, Taps, gather_point, gather_row};
 use crate::paths::film::tile::TracedTile;
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::from_lanes;
@@ -103,13 +103,16 @@ fn sweep_tiles(
     let (scene, geometry) = (stage.scene, &stage.parts.geometry);
     let view = stage.view();
     let estimator = stage.estimator();
+    let drift = stage.drift(&view, &*estimator);
     let integrator = Integrator {
         view: &view,
         estimator: &*estimator,
+        drift: drift.as_ref(),
     };
     let sweep = BackwardSweep {
         view: &view,
         wanted,
+        drift: drift.as_ref(),
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
     let sums = stage.own_groups();
@@ -150,6 +153,20 @@ fn sweep_tiles(
             counts += tile_counts;
         },
     )?;
+    if let Some(drift) = &drift {
+        let mut tile_sums = TileSums::new(scene, geometry, wanted);
+        for sums in &mut swept.sums {
+            for (node, bar) in std::mem::take(&mut sums.drift) {
+                for followed in &drift.followed[node] {
+                    let bar = bar.map(|b| b * followed.share);
+                    sweep.add_followed(followed, bar, &mut tile_sums);
+                }
+            }
+            let gradient = tile_sums.take();
+            counts.gradient_not_finite += gradient.not_finite;
+            sums.add(&gradient);
+        }
+    }
     statistics.add_counts(&counts);
     clock.stop(statistics);
     Ok(swept)
@@ -181,27 +198,43 @@ fn differentiate(
     adjoint: &[Rgb],
     sums: &mut TileSums,
 ) -> TileGradient {
-    let [columns, rows] = traced.tile.points;
+    let columns = traced.tile.points[0];
     let width = stage.size[0];
-    let mut bars = vec![[0.0; 3]; columns * rows];
-    let mut row_bars = Vec::new();
-    for (row, y_taps) in traced.taps[1].iter().enumerate() {
-        gather_row(adjoint, width, &traced.taps[0], y_taps, &mut row_bars);
-        bars[row * columns..(row + 1) * columns].copy_from_slice(&row_bars);
-    }
+    let [x, y] = &traced.taps;
+    let bars = sample_bars(traced, [x, y], adjoint, width);
+    // Of the velocities of samples, each times its radiance.
+    let carried = sweep.drift.map(|_| {
+        let slopes = [0, 1].map(|i| stage.filter.tile_slopes(&traced.tile, i));
+        [[&slopes[0], y], [x, &slopes[1]]].map(|taps| sample_bars(traced, taps, adjoint, width))
+    });
     for (number, packet) in traced.packets().enumerate() {
         let mut lanes = [Vec3::ZERO; LANES];
+        let place = |lane: usize| packet.row * columns + packet.column + lane;
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
-            lanes[lane] = Vec3::from(bars[packet.row * columns + packet.column + lane]);
+            lanes[lane] = Vec3::from(bars[place(lane)]);
         }
         if lanes.iter().any(|b| *b != Vec3::ZERO) {
-            sweep.add_path(
+            let film_bars = sweep.add_path(
                 &traced.store,
                 number,
                 [packet.u, packet.v],
                 from_lanes(&lanes),
                 sums,
             );
+            if let (Some(drift), Some(carried)) = (sweep.drift, &carried) {
+                let film_bars = film_bars.map(Lane::to_array);
+                let [u, v] = [packet.u, packet.v].map(Lane::to_array);
+                for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+                    let radiance = Vec3::from(traced.image.radiance[place(lane)]).as_dvec3();
+                    let velocity = [0, 1].map(|i| {
+                        let bar = Vec3::from(carried[i][place(lane)]).as_dvec3();
+                        f64::from(film_bars[i][lane]) + radiance.dot(bar)
+                    });
+                    let divergence = radiance.dot(lanes[lane].as_dvec3());
+                    let at = [u[lane], v[lane]].map(f64::from);
+                    sums.add_drift(drift, at, velocity, divergence);
+                }
+            }
             sums.end_term();
         }
     }
@@ -217,4 +250,21 @@ fn differentiate(
         }
     }
     sums.take()
+}
+
+/// The cotangent of what each sample of a tile brings, if its weights along the axes are these.
+fn sample_bars(
+    traced: &TracedTile,
+    [x, y]: [&Vec<Taps>; 2],
+    adjoint: &[Rgb],
+    width: usize,
+) -> Vec<Rgb> {
+    let columns = traced.tile.points[0];
+    let mut bars = vec![[0.0; 3]; columns * traced.tile.points[1]];
+    let mut row_bars = Vec::new();
+    for (row, y_taps) in y.iter().enumerate() {
+        gather_row(adjoint, width, x, y_taps, &mut row_bars);
+        bars[row * columns..(row + 1) * columns].copy_from_slice(&row_bars);
+    }
+    bars
 }

@@ -14,11 +14,12 @@ use super::statistics::Statistics;
 use super::tails::share_of_worst_pixels;
 use crate::gradient::path::forward::ForwardSweep;
 use crate::gradient::scene::forward::Motion;
-use crate::lanes::LANES;
+use crate::lanes::{Dual, LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
 use crate::paths::counts::Counts;
+use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
-use crate::paths::film::tile::TracedTile;
+use crate::paths::film::tile::{FilmPacket, TracedTile};
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
@@ -42,11 +43,16 @@ pub fn forward(
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let view = stage.view();
     let estimator = stage.estimator();
+    let drift = stage.drift(&view, &*estimator);
     let integrator = Integrator {
         view: &view,
         estimator: &*estimator,
+        drift: drift.as_ref(),
     };
     let sweep = ForwardSweep::new(&view, &motion);
+    let velocity = drift
+        .as_ref()
+        .map(|d| d.velocity(|f| sweep.film_velocity(f)));
 
     let clock = StageClock::start();
     let stores = Spare::new();
@@ -63,7 +69,7 @@ pub fn forward(
             let start = clock.add_tracing(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
-            let gradient = differentiate(&stage, &sweep, &mut traced);
+            let gradient = differentiate(&stage, &sweep, velocity.as_ref(), &mut traced);
             clock.add_differentiating(start);
             stores.give_back(traced.store);
             (image, gradient, traced.counts)
@@ -91,28 +97,52 @@ pub fn forward(
 }
 
 /// A tile's part of the gradient image.
-fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -> Block {
+fn differentiate(
+    stage: &Stage,
+    sweep: &ForwardSweep,
+    drift: Option<&DriftVelocity>,
+    traced: &mut TracedTile,
+) -> Block {
     let columns = traced.tile.points[0];
-    let mut tangents = vec![[0.0; 3]; traced.image.radiance.len()];
+    let samples = traced.image.radiance.len();
+    let mut tangents = vec![[0.0; 3]; samples];
+    // Radiances times the velocity of the film along each axis.
+    let mut carried = [(); 2].map(|_| vec![[0.0; 3]; if drift.is_some() { samples } else { 0 }]);
     let packets: Vec<_> = traced.packets().collect();
     for (number, packet) in packets.into_iter().enumerate() {
-        let values = to_rgb(sweep.radiance_derivative(&traced.store, number, packet.u, packet.v));
+        let moved = Moved::new(&packet, drift);
+        let values = to_rgb(sweep.radiance_derivative(&traced.store, number, moved.film_point()));
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
             let at = packet.row * columns + packet.column + lane;
-            if values[lane].iter().all(|c| c.is_finite()) {
-                tangents[at] = values[lane];
-            } else {
+            if !values[lane].iter().all(|c| c.is_finite()) {
                 traced.counts.gradient_not_finite += 1;
+                continue;
+            }
+            tangents[at] = values[lane];
+            if drift.is_some() {
+                let radiance = traced.image.radiance[at];
+                for c in 0..3 {
+                    tangents[at][c] += radiance[c] * moved.divergence[lane];
+                    carried[0][at][c] = radiance[c] * moved.velocity[0][lane];
+                    carried[1][at][c] = radiance[c] * moved.velocity[1][lane];
+                }
             }
         }
     }
     let mut block = Block::new(&stage.filter, &traced.tile);
     traced.splat(&tangents, &mut block);
+    if drift.is_some() {
+        let slopes = [0, 1].map(|i| stage.filter.tile_slopes(&traced.tile, i));
+        let [x, y] = &traced.taps;
+        traced.splat_by([&slopes[0], y], &carried[0], &mut block);
+        traced.splat_by([x, &slopes[1]], &carried[1], &mut block);
+    }
     for sample in traced.store.film_boundary() {
         let Coordinate::Film(at) = sample.at else {
             continue;
         };
-        let value = sweep.film_boundary(sample);
+        let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
+        let value = sweep.film_boundary(sample, velocity);
         if value.iter().all(|c| c.is_finite()) {
             let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
             block.add_point(&x, &y, value);
@@ -121,4 +151,38 @@ fn differentiate(stage: &Stage, sweep: &ForwardSweep, traced: &mut TracedTile) -
         }
     }
     block
+}
+
+/// The film points of a packet, as they drift.
+struct Moved {
+    at: [Lane; 2],
+    velocity: [[f32; LANES]; 2],
+    divergence: [f32; LANES],
+}
+
+impl Moved {
+    fn new(packet: &FilmPacket, drift: Option<&DriftVelocity>) -> Self {
+        let mut moved = Self {
+            at: [packet.u, packet.v],
+            velocity: [[0.0; LANES]; 2],
+            divergence: [0.0; LANES],
+        };
+        let Some(drift) = drift else { return moved };
+        let [u, v] = moved.at.map(Lane::to_array);
+        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+            let (velocity, divergence) = drift.at([u[lane].into(), v[lane].into()]);
+            moved.divergence[lane] = divergence as f32;
+            for i in 0..2 {
+                moved.velocity[i][lane] = velocity[i] as f32;
+            }
+        }
+        moved
+    }
+
+    fn film_point(&self) -> [Dual<Lane>; 2] {
+        [0, 1].map(|i| Dual {
+            value: self.at[i],
+            tangent: Lane::new(self.velocity[i]),
+        })
+    }
 }

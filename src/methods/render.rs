@@ -68,6 +68,7 @@ fn trace(
     let integrator = Integrator {
         view: &view,
         estimator: &Interior,
+        drift: None,
     };
     let stores = Spare::new();
     let mut counts = Counts::default();

@@ -13,8 +13,9 @@ use super::settings::{Groups, Settings};
 use super::statistics::Statistics;
 use super::workers::Workers;
 use crate::discontinuity::adjacency::Adjacency;
-use crate::paths::estimator::{BoundaryEstimator, Interior};
+use crate::paths::estimator::{BoundaryEstimator, Interior, WholeFilm};
 use crate::paths::film::camera::Camera;
+use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::Lattice;
 use crate::paths::light::patches::Lights;
@@ -141,6 +142,17 @@ impl<'a> Stage<'a> {
             (Some(make), Some(adjacency)) => make(adjacency, &self.moving),
             _ => Box::new(Interior),
         }
+    }
+
+    /// What carries the film's samples.
+    pub fn drift(&self, view: &SceneView, estimator: &dyn BoundaryEstimator) -> Option<Drift> {
+        let film = WholeFilm {
+            view,
+            lattice: &self.lattice,
+            filter: &self.filter,
+            seed: self.seed,
+        };
+        self.workers.pool.install(|| estimator.drift(&film))
     }
 
     /// Does `work(group, tile)` for all tiles of all groups on the threads, and gives the results

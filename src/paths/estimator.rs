@@ -12,7 +12,9 @@
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::Found;
-use crate::paths::film::lattice::{LatticeImage, Tile};
+use crate::paths::film::drift::Drift;
+use crate::paths::film::filter::FilmFilter;
+use crate::paths::film::lattice::{Lattice, LatticeImage, Tile};
 use crate::paths::moving::Moving;
 use crate::paths::rays::RayPacket;
 use crate::paths::scene_view::SceneView;
@@ -30,6 +32,12 @@ pub trait BoundaryEstimator: Sync {
     /// cells cover the tile.
     fn closes_lattice(&self) -> bool {
         false
+    }
+
+    /// The velocity field that carries the film's samples, before any of them is traced; `None`
+    /// where they rest.
+    fn drift(&self, _film: &WholeFilm) -> Option<Drift> {
+        None
     }
 
     /// Over the film: jumps of the radiance in a tile, whose samples have been traced.
@@ -53,12 +61,28 @@ pub struct Interior;
 
 impl BoundaryEstimator for Interior {}
 
+/// The film before anything is traced.
+pub struct WholeFilm<'a> {
+    pub view: &'a SceneView<'a>,
+    pub lattice: &'a Lattice,
+    pub filter: &'a FilmFilter,
+    pub seed: u64,
+}
+
 /// A tile of the film, and what its samples saw.
 #[derive(Clone, Copy)]
 pub struct FilmTile<'a> {
     pub view: &'a SceneView<'a>,
     pub tile: &'a Tile,
     pub image: &'a LatticeImage,
+    pub drift: Option<&'a Drift>,
+}
+
+impl FilmTile<'_> {
+    /// Whether the film may drift at a point.
+    pub fn drifts(&self, at: [f64; 2]) -> bool {
+        self.drift.is_some_and(|drift| drift.moves(at))
+    }
 }
 
 /// The sample of a light in each lane, as it was drawn.

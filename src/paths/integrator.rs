@@ -8,6 +8,7 @@ use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
 use crate::paths::between_planes::BetweenPlanes;
 use crate::paths::estimator::{Bounce, BounceEnd, BoundaryEstimator};
+use crate::paths::film::drift::Drift;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
@@ -21,6 +22,8 @@ use crate::trace::geometry::NO_TRIANGLE;
 pub struct Integrator<'a> {
     pub view: &'a SceneView<'a>,
     pub estimator: &'a dyn BoundaryEstimator,
+    /// What carries the film's samples.
+    pub drift: Option<&'a Drift>,
 }
 
 /// How paths begin.
@@ -29,6 +32,8 @@ pub struct Start {
     pub rays: RayPacket,
     /// Number of the vertex that they lead to; 0 is the first that a camera sees.
     pub depth: u32,
+    /// Lanes that move against what they see though nothing but the film drifts.
+    pub drifts: u32,
     /// Whether what the first rays find emitting counts.
     pub with_emission: bool,
     /// Lanes of whose first vertex only the light counts that arrives between two planes
@@ -52,12 +57,14 @@ impl Integrator<'_> {
     pub fn trace_from_camera(
         &self,
         rays: RayPacket,
+        drifts: u32,
         stream: &Stream,
         index: &[u32; LANES],
         store: &mut TileStore,
     ) {
         let start = Start {
             rays,
+            drifts,
             depth: 0,
             with_emission: true,
             between_planes: 0,
@@ -78,7 +85,7 @@ impl Integrator<'_> {
             rays: start.rays,
             coherence: Coherence::Coherent,
             throughput: V3::splat(1.0),
-            moves: self.estimator.moving().map_or(0, |m| m.camera_lanes()),
+            moves: start.drifts | self.estimator.moving().map_or(0, |m| m.camera_lanes()),
             previous: None,
         };
         for depth in start.depth.. {

@@ -11,7 +11,8 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::Found;
-use crate::paths::estimator::{Bounce, BoundaryEstimator, FilmTile, LightDraw};
+use crate::paths::estimator::{Bounce, BoundaryEstimator, FilmTile, LightDraw, WholeFilm};
+use crate::paths::film::drift::Drift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 
@@ -39,6 +40,10 @@ impl BoundaryEstimator for Cells<'_> {
 
     fn closes_lattice(&self) -> bool {
         true
+    }
+
+    fn drift(&self, film: &WholeFilm) -> Option<Drift> {
+        film::drift::find(&self.scene(film.view), film)
     }
 
     fn film(&self, film: &FilmTile, out: &mut Found) {

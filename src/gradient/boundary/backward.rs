@@ -4,6 +4,7 @@
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
+use crate::adjoint::silhouette::edge_side_adjoint;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
@@ -11,6 +12,7 @@ use crate::kernels::bsdf::{RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::film::drift::Followed;
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::store::TileStore;
 use crate::paths::surface::interface::interface_of_lane;
@@ -193,12 +195,52 @@ impl BackwardSweep<'_> {
         let bar = side_bar(bar.into(), sample);
         let d = dvec3(camera.direction(u, v));
         let (o_bar, d_bar) = self.side(sample, camera.origin.as_dvec3(), d, bar, sums);
-        if self.wanted.camera && sums.admits(o_bar.is_finite() && d_bar.is_finite()) {
-            let (px, py) = camera.film_to_camera(u, v);
-            let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
-            let (x, y, z, tan, _, _) =
-                camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
+        let film_bar = self.camera_ray([u, v], o_bar, d_bar, sums);
+        if let Some(drift) = self.drift {
+            sums.add_drift(drift, [u, v], film_bar, 0.0);
+        }
+    }
+
+    /// To the camera, from the cotangents of its ray through a film point. Returns that of the film
+    /// point.
+    fn camera_ray(
+        &self,
+        [u, v]: [f64; 2],
+        o_bar: DVec3,
+        d_bar: DVec3,
+        sums: &mut TileSums,
+    ) -> [f64; 2] {
+        if !sums.admits(o_bar.is_finite() && d_bar.is_finite()) {
+            return [0.0; 2];
+        }
+        let camera = &self.view.camera;
+        let (px, py) = camera.film_to_camera(u, v);
+        let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
+        let (x, y, z, tan, px_bar, py_bar) =
+            camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
+        if self.wanted.camera {
             sums.add_camera(o_bar, [x, y, z].map(dvec3), tan);
+        }
+        camera.film_to_camera_adjoint([px_bar, py_bar])
+    }
+
+    /// What the film follows, from the cotangent of its velocity in pixels.
+    pub fn add_followed(&self, followed: &Followed, velocity_bar: [f64; 2], sums: &mut TileSums) {
+        let camera = &self.view.camera;
+        let [u, v] = followed.at;
+        let d = vector(dvec3(camera.direction(u, v)));
+        let origin = vector(camera.origin.as_dvec3());
+        let y = followed.point(self.view.geometry);
+        let lines = followed.lines(camera, self.view.geometry);
+        for (line, bar) in lines.into_iter().zip(velocity_bar) {
+            let side_bar = line.velocity_per_side * bar;
+            let (o_bar, d_bar, near_bar, far_bar) =
+                edge_side_adjoint(origin, d, vector(y), vector(y + line.along), side_bar);
+            let y_bar = dvec3(near_bar) + dvec3(far_bar);
+            for (&vertex, b) in followed.triangle.iter().zip(followed.barycentrics) {
+                self.scatter_vertex(vertex, y_bar * b, sums);
+            }
+            self.camera_ray([u, v], dvec3(o_bar), dvec3(d_bar), sums);
         }
     }
 }

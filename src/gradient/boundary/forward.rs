@@ -1,12 +1,15 @@
 //! The forward sweep over boundary samples: what moving boundaries bring.
 
+use crate::discontinuity::boundary::vector;
 use crate::gradient::path::forward::{ForwardSweep, MovingVertex, dual_lane, dual_number};
 use crate::gradient::scene::forward::dual_vector;
 use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_sample};
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
+use crate::kernels::silhouette::edge_side;
 use crate::lanes::{Dual, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::film::drift::Followed;
 use crate::scene::Rgb;
 use glam::Vec3;
 
@@ -34,17 +37,42 @@ impl ForwardSweep<'_> {
         self.weighed(sample, x, direction)
     }
 
-    /// What a boundary sample of the film adds where it is, in radiance times pixels.
-    pub fn film_boundary(&self, sample: &BoundarySample) -> Rgb {
+    /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
+    /// drifts there with this velocity.
+    pub fn film_boundary(&self, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
         let Coordinate::Film(at) = sample.at else {
             return [0.0; 3];
         };
+        let (origin, d) = self.moving_camera_ray(at, drift);
+        self.weighed(sample, origin, d)
+    }
+
+    /// The camera's ray through a film point with this velocity.
+    fn moving_camera_ray(&self, at: [f64; 2], velocity: [f64; 2]) -> (V3<D>, V3<D>) {
         let camera = &self.camera_f64;
-        let [u, v] = at.map(D::splat);
+        let [u, v] = [0, 1].map(|i| D {
+            value: at[i],
+            tangent: velocity[i],
+        });
         let (px, py) = self.view.camera.film_to_camera(u, v);
         let [x, y, z] = camera.axes;
         let d = camera_direction(x, y, z, camera.tan_half_x_fov, px, py);
-        self.weighed(sample, camera.origin, d)
+        (camera.origin, d)
+    }
+
+    /// How fast a point that the film follows moves over it.
+    pub fn film_velocity(&self, followed: &Followed) -> [f64; 2] {
+        let point = |v| self.motion.point(self.view.geometry, v);
+        let [p, q, r] = followed.triangle.map(point);
+        let [b0, b1, b2] = followed.barycentrics.map(D::splat);
+        let y = p * b0 + q * b1 + r * b2;
+        let (origin, d) = self.moving_camera_ray(followed.at, [0.0; 2]);
+        // The line through it along the other axis of the film crosses that film point.
+        let camera = &self.view.camera;
+        followed.lines(camera, self.view.geometry).map(|line| {
+            let along = dual_vector(vector(line.along), V3::splat(0.0));
+            line.velocity_per_side * edge_side(origin, d, y, y + along).tangent
+        })
     }
 
     /// The weight times Ḟ, seen from `x` along `direction`.

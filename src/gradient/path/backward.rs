@@ -12,6 +12,7 @@ use crate::gradient::scene::backward::{TileSums, Wanted};
 use crate::kernels::bsdf::Interface;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
+use crate::paths::film::drift::Drift;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
@@ -22,6 +23,8 @@ use glam::Vec3;
 pub struct BackwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub wanted: &'a Wanted,
+    /// What carries the film's samples.
+    pub drift: Option<&'a Drift>,
 }
 
 /// A vertex as it was, with what its adjoints need.
@@ -130,7 +133,7 @@ impl Returning {
 
 impl BackwardSweep<'_> {
     /// Adds the gradient of Σ radiance_bar · radiance over the lanes of a packet, whose camera rays
-    /// go through the film points (`u`, `v`).
+    /// go through the film points (`u`, `v`). Returns the cotangents of these, if the film drifts.
     pub fn add_path(
         &self,
         store: &TileStore,
@@ -138,7 +141,7 @@ impl BackwardSweep<'_> {
         [u, v]: [Lane; 2],
         radiance_bar: V3<Lane>,
         sums: &mut TileSums,
-    ) {
+    ) -> [Lane; 2] {
         let path = store.path(packet);
         let mut next: Option<Solved> = None;
         let mut chain = Returning::begin(radiance_bar);
@@ -149,19 +152,25 @@ impl BackwardSweep<'_> {
             chain = self.vertex(store, vertices, pair, chain, sums);
             next = before;
         }
-        if self.wanted.camera {
+        if self.wanted.camera || self.drift.is_some() {
             let bits = path[0].hit | path[0].escaped;
             let camera = &self.view.camera;
             let (px, py) = camera.film_to_camera(u, v);
             let [x, y, z] = camera.axes.map(splat);
             let tan = Lane::splat(camera.tan_half_x_fov as f32);
-            let (x, y, z, tan, _, _) =
+            let (x, y, z, tan, px_bar, py_bar) =
                 camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
+            let film_bars = camera.film_to_camera_adjoint([px_bar, py_bar]);
+            if !self.wanted.camera {
+                return film_bars;
+            }
             let origin = sums.over_lanes(chain.origin, bits);
             let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
             let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
             sums.add_camera(origin, axes, tan);
+            return film_bars;
         }
+        [Lane::splat(0.0); 2]
     }
 
     /// One vertex: `after` holds the cotangents that the next vertex handed back.

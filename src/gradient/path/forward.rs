@@ -32,8 +32,6 @@ pub(crate) struct Arriving {
     pub origin: V3<D>,
     pub direction: V3<D>,
     pub throughput: V3<D>,
-    /// Whether any lane's ray or throughput moves.
-    pub moves: bool,
 }
 
 impl Arriving {
@@ -72,22 +70,20 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points
-    /// (`u`, `v`).
+    /// (`u`, `v`), which may move.
     pub fn radiance_derivative(
         &self,
         store: &TileStore,
         packet: usize,
-        u: Lane,
-        v: Lane,
+        [u, v]: [D; 2],
     ) -> V3<Lane> {
         let camera = &self.camera_lanes;
-        let (px, py) = self.view.camera.film_to_camera(constant(u), constant(v));
+        let (px, py) = self.view.camera.film_to_camera(u, v);
         let [x, y, z] = camera.axes;
         let mut chain = Arriving {
             origin: camera.origin,
             direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
             throughput: V3::splat(1.0),
-            moves: self.motion.camera.is_some(),
         };
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingVertex> = None;
@@ -115,9 +111,6 @@ impl<'a> ForwardSweep<'a> {
         if vertices.hit == 0 {
             return (sum, None);
         }
-        chain.moves |= self
-            .motion
-            .moves_any(self.view.geometry, &vertices.triangle);
         let here = self.moving_vertex(vertices, chain);
         if !self.view.lights.is_empty() {
             sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));

@@ -2,12 +2,14 @@
 
 use crate::gradient::terms::{Object, Terms, TileTerms};
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::film::drift::Drift;
 use crate::paths::rays::lane_of;
 use crate::paths::surface::texture::Lookup;
 use crate::room::{self, NoRoom};
 use crate::scene::{CameraDifferential, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
 
 /// What reverse mode is asked for: which sums are worth the work.
 pub struct Wanted {
@@ -145,6 +147,8 @@ pub struct TileSums {
     first_texel: Vec<u32>,
     camera: CameraSum,
     environment: EnvironmentSum,
+    /// Of the velocities of the film's nodes.
+    drift: BTreeMap<usize, [f64; 2]>,
     pub delta_lights: Vec<DVec3>,
     /// Per texture.
     pub to_uv: Vec<[f64; 6]>,
@@ -164,6 +168,7 @@ pub struct TileGradient {
     pub terms: TileTerms,
     camera: CameraSum,
     environment: EnvironmentSum,
+    drift: BTreeMap<usize, [f64; 2]>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }
@@ -184,6 +189,7 @@ impl TileSums {
             first_texel: first_texels(scene),
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
+            drift: BTreeMap::new(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
             terms: Terms::new(scene.meshes.len(), scene.textures.len()),
@@ -240,6 +246,21 @@ impl TileSums {
             .add(Object::Environment, rotation + DVec3::splat(scale));
     }
 
+    /// Adds to the film's velocity at a point, in pixels, and to its divergence.
+    pub fn add_drift(&mut self, drift: &Drift, at: [f64; 2], velocity: [f64; 2], divergence: f64) {
+        for share in drift.grid.shares(at) {
+            if drift.followed[share.node].is_empty() {
+                continue;
+            }
+            let bars = [0, 1].map(|i| share.weight * velocity[i] + share.gradient[i] * divergence);
+            if self.admits(bars.iter().all(|b| b.is_finite())) {
+                let sum = self.drift.entry(share.node).or_default();
+                sum[0] += bars[0];
+                sum[1] += bars[1];
+            }
+        }
+    }
+
     /// Adds to a vertex's normal.
     pub fn add_normal(&mut self, vertex: u32, value: Vec3) {
         if self.admits(value.is_finite()) {
@@ -280,6 +301,7 @@ impl TileSums {
             terms: self.terms.take(),
             camera: std::mem::take(&mut self.camera),
             environment: std::mem::take(&mut self.environment),
+            drift: std::mem::take(&mut self.drift),
             to_uv: {
                 let zeros = vec![[0.0; 6]; self.to_uv.len()];
                 std::mem::replace(&mut self.to_uv, zeros)
@@ -299,6 +321,8 @@ pub struct FilmSums {
     texels: Vec<DVec3>,
     camera: CameraSum,
     environment: EnvironmentSum,
+    /// Of the velocities of the film's nodes.
+    pub drift: BTreeMap<usize, [f64; 2]>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }
@@ -312,6 +336,7 @@ impl FilmSums {
             texels: room::filled(DVec3::ZERO, texels)?,
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
+            drift: BTreeMap::new(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
         })
@@ -333,6 +358,11 @@ impl FilmSums {
             .add(camera.origin, camera.axes, camera.tan_half_x_fov);
         self.environment.rotation += tile.environment.rotation;
         self.environment.scale += tile.environment.scale;
+        for (&node, value) in &tile.drift {
+            let sum = self.drift.entry(node).or_default();
+            sum[0] += value[0];
+            sum[1] += value[1];
+        }
         for (sum, value) in self.to_uv.iter_mut().zip(&tile.to_uv) {
             for (s, v) in sum.iter_mut().zip(value) {
                 *s += v;

@@ -126,11 +126,6 @@ impl Motion {
             && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
     }
 
-    /// Whether anything moves that the triangles in `lanes` belong to.
-    pub fn moves_any(&self, geometry: &Geometry, triangle: &[u32; LANES]) -> bool {
-        triangle.iter().any(|&t| self.moves(geometry, t))
-    }
-
     /// A vertex with its velocity.
     pub fn point(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
         let p = geometry.positions[vertex as usize].as_dvec3();

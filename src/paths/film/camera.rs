@@ -52,6 +52,11 @@ impl Camera {
         )
     }
 
+    /// Cotangents of a film point from those of the camera's tangents.
+    pub fn film_to_camera_adjoint<F: Real>(&self, bars: [F; 2]) -> [F; 2] {
+        bars.map(|bar| bar * F::splat(self.scale))
+    }
+
     /// Direction through the film point (`u`, `v`), in pixels of the crop window.
     pub fn direction<F: Real>(&self, u: F, v: F) -> V3<F> {
         let (px, py) = self.film_to_camera(u, v);

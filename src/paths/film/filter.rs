@@ -61,8 +61,22 @@ impl FilmFilter {
         (filter.radius() - 0.5 - 1e-3).ceil().max(0.0) as u32
     }
 
+    /// Whether it has a slope everywhere, and no jump.
+    pub fn is_continuous(&self) -> bool {
+        !matches!(self.filter, Filter::Box { .. })
+    }
+
     /// Normalised weights at film position `u` along axis `i`, per pixel of film.
     pub fn taps(&self, i: usize, u: f64) -> Taps {
+        self.taps_by(i, u, Filter::value)
+    }
+
+    /// How [`FilmFilter::taps`] change with `u`.
+    pub fn slopes(&self, i: usize, u: f64) -> Taps {
+        self.taps_by(i, u, Filter::slope)
+    }
+
+    fn taps_by(&self, i: usize, u: f64, of: impl Fn(Filter, f64) -> f64) -> Taps {
         // Pixel j is reached if |u − (j + ½)| < radius; a box is half open so that it tiles.
         let low = (u - self.radius - 0.5).floor() as i64 + 1;
         let high = (u + self.radius - 0.5).floor() as i64;
@@ -76,7 +90,7 @@ impl FilmFilter {
         for k in 0..taps.count {
             let j = first + k;
             taps.weight[k] =
-                (self.filter.value(u - (j as f64 + 0.5)) * self.normalisation[i][j]) as f32;
+                (of(self.filter, u - (j as f64 + 0.5)) * self.normalisation[i][j]) as f32;
         }
         taps
     }
@@ -84,6 +98,15 @@ impl FilmFilter {
     /// The weights of all lattice points of a tile along axis `i`, times their spacing; outer
     /// points get none.
     pub fn tile_taps(&self, tile: &Tile, i: usize) -> Vec<Taps> {
+        self.of_tile(tile, i, |u| self.taps(i, u))
+    }
+
+    /// Likewise of [`FilmFilter::slopes`].
+    pub fn tile_slopes(&self, tile: &Tile, i: usize) -> Vec<Taps> {
+        self.of_tile(tile, i, |u| self.slopes(i, u))
+    }
+
+    fn of_tile(&self, tile: &Tile, i: usize, taps: impl Fn(f64) -> Taps) -> Vec<Taps> {
         (0..tile.points[i])
             .map(|p| {
                 if !tile.is_inner(i, p) {
@@ -93,7 +116,7 @@ impl FilmFilter {
                         weight: [0.0; MAX_REACH],
                     };
                 }
-                let mut taps = self.taps(i, tile.position(i, p));
+                let mut taps = taps(tile.position(i, p));
                 taps.weight
                     .iter_mut()
                     .for_each(|w| *w *= tile.step[i] as f32);
@@ -126,6 +149,18 @@ impl Filter {
             Filter::Gaussian { stddev } => {
                 let s = stddev as f64;
                 ((-0.5 * (x / s).powi(2)).exp() - (-8.0f64).exp()).max(0.0)
+            }
+        }
+    }
+
+    /// The derivative of the value.
+    fn slope(self, x: f64) -> f64 {
+        match self {
+            Filter::Box { .. } => 0.0,
+            Filter::Tent { radius } => -x.signum() / f64::from(radius),
+            Filter::Gaussian { stddev } => {
+                let s = f64::from(stddev);
+                -x / (s * s) * (-0.5 * (x / s).powi(2)).exp()
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The film: the camera's rays, how samples lie, how they become pixels.
 
 pub mod camera;
+pub mod drift;
 pub mod filter;
 pub mod lattice;
 pub mod tile;

@@ -45,7 +45,11 @@ impl TracedTile {
         mut store: TileStore,
     ) -> Self {
         let [columns, rows] = tile.points;
-        let Integrator { view, estimator } = *integrator;
+        let Integrator {
+            view,
+            estimator,
+            drift,
+        } = *integrator;
         store.clear();
         let mut not_finite = 0;
         let mut image = LatticeImage {
@@ -65,7 +69,8 @@ impl TracedTile {
             };
             let index =
                 std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
-            integrator.trace_from_camera(rays, &tile.stream, &index, &mut store);
+            let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));
+            integrator.trace_from_camera(rays, drifts, &tile.stream, &index, &mut store);
             let path = store.path(store.depths.len() - 2);
             let radiance = to_rgb(view.radiance(&store, path));
             for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
@@ -83,6 +88,7 @@ impl TracedTile {
             view,
             tile: &tile,
             image: &image,
+            drift,
         };
         estimator.film(&film, &mut store.found);
         store.counts.not_finite = not_finite;
@@ -107,13 +113,14 @@ impl TracedTile {
 
     /// Adds one value a lattice point to a block.
     pub fn splat(&self, values: &[Rgb], block: &mut Block) {
+        self.splat_by([&self.taps[0], &self.taps[1]], values, block);
+    }
+
+    /// Likewise, with other weights along the axes.
+    pub fn splat_by(&self, [x, y]: [&Vec<Taps>; 2], values: &[Rgb], block: &mut Block) {
         let columns = self.tile.points[0];
-        for (row, y_taps) in self.taps[1].iter().enumerate() {
-            block.add_row(
-                &self.taps[0],
-                y_taps,
-                &values[row * columns..(row + 1) * columns],
-            );
+        for (row, y_taps) in y.iter().enumerate() {
+            block.add_row(x, y_taps, &values[row * columns..(row + 1) * columns]);
         }
     }
 }

@@ -89,6 +89,10 @@ impl<'a> LatticeCells<'a> {
 
     /// Whether something that moves may be seen between point number `at` of a line and the next.
     pub fn moves(&self, line: LatticeLine, at: usize) -> bool {
+        let drifts = |at: usize| self.film.drifts(self.position(line, at as i64));
+        if drifts(at) || drifts(at + 1) {
+            return true;
+        }
         let [a, b] = [at, at + 1].map(|at| self.direction(line, at as f64));
         let origin = self.scene.view.camera.origin.as_dvec3();
         self.scene.moving.meets(&Sector::between(origin, a, b))
@@ -230,7 +234,8 @@ impl Cell for FilmCell<'_> {
 
     fn moves(&self, boundary: &Boundary) -> bool {
         let scene = self.cells.scene;
-        scene.moving.boundary(scene.view.geometry, boundary)
+        self.cells.film.drifts(self.position(0.5))
+            || scene.moving.boundary(scene.view.geometry, boundary)
     }
 
     fn weight(&self) -> f64 {

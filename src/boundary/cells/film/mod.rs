@@ -2,5 +2,6 @@
 
 pub mod cell;
 pub mod crowds;
+pub mod drift;
 pub mod search;
 pub mod weights;

@@ -73,7 +73,9 @@ fn searched_cells<'a>(
     crowds: &mut Crowds,
     search: &mut LineSearch<FilmCell<'a>>,
 ) -> (Vec<Candidate<FilmCell<'a>>>, BTreeSet<(LatticeLine, i64)>) {
-    let FilmTile { view, tile, image } = *cells.film;
+    let FilmTile {
+        view, tile, image, ..
+    } = *cells.film;
     let [columns, rows] = tile.points;
     let mut candidates = Vec::new();
     let mut skipped = BTreeSet::new();
@@ -156,6 +158,7 @@ fn look(
             far: camera.far_clip,
         },
         depth: 0,
+        drifts: 0,
         with_emission: true,
         between_planes: 0,
     };

@@ -143,6 +143,7 @@ fn look(
     let start = Start {
         rays: RayPacket::leaving(x, normal, from_lanes(directions), sides.active),
         depth: here.numbers.depth + 1,
+        drifts: 0,
         with_emission: way.is_narrow,
         between_planes: 0,
     };

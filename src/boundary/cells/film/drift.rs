@@ -1,0 +1,92 @@
+//! What the film drifts with (`paths::film::drift`).
+//!
+//! Around each node a pilot looks at the film in a few points. Where it meets a narrow lobe the node
+//! follows what it hits of such surfaces; elsewhere it rests. Diffuse light hardly changes along a
+//! surface, and there the image's noise would be worse than what it replaces.
+
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::boundary::{dvec3, vector};
+use crate::kernels::triangle::triangle_hit;
+use crate::lanes::LANES;
+use crate::paths::dimensions::Single;
+use crate::paths::estimator::WholeFilm;
+use crate::paths::film::drift::{Drift, DriftGrid, Followed};
+use crate::paths::random::Stream;
+use crate::paths::rays::{RayPacket, from_lanes, splat};
+use crate::trace::Coherence;
+use crate::trace::geometry::NO_TRIANGLE;
+use rayon::prelude::*;
+
+/// The pilot has a group to itself.
+const GROUP: u32 = u32::MAX;
+
+/// Makes the drift of a film; `None` if it rests everywhere.
+pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
+    if !film.filter.is_continuous() || !scene.view.materials.any_special {
+        return None;
+    }
+    let grid = DriftGrid::new(film.lattice);
+    let stream = Stream::new(film.seed, [GROUP, 0]);
+    let nodes = grid.nodes[0] * grid.nodes[1];
+    let followed: Vec<Vec<Followed>> = (0..nodes)
+        .into_par_iter()
+        .map(|node| followed(scene, &grid, &stream, node))
+        .collect();
+    let any = followed.iter().any(|f| !f.is_empty());
+    any.then_some(Drift { grid, followed })
+}
+
+/// What a node follows.
+fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize) -> Vec<Followed> {
+    if grid.is_rim(node) {
+        return Vec::new();
+    }
+    let SearchScene { view, moving, .. } = *scene;
+    let camera = &view.camera;
+    let middle = grid.position(node);
+    let points: [[f64; 2]; LANES] = std::array::from_fn(|point| {
+        [0, 1].map(|i| {
+            let name = [node as u32, point as u32, i as u32];
+            let random = f64::from(stream.single(Single::DriftPoint, name));
+            middle[i] + (2.0 * random - 1.0) * grid.spacing[i]
+        })
+    });
+    let directions = points.map(|[u, v]| dvec3(camera.direction(u, v)));
+    let rays = RayPacket {
+        active: u32::MAX >> (32 - LANES),
+        origin: splat(camera.origin),
+        direction: from_lanes(&directions.map(|d| d.as_vec3())),
+        near: camera.near_clip,
+        far: camera.far_clip,
+    };
+    let geometry = view.geometry;
+    let seen = view.intersect(&rays, Coherence::Coherent);
+    let is_narrow = |&triangle: &u32| {
+        triangle != NO_TRIANGLE && {
+            let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
+            let material = view.materials.of_mesh(view.scene, mesh);
+            material.kinds.seen_along_bounces() != 0
+        }
+    };
+    let narrow: Vec<usize> = (0..LANES).filter(|&l| is_narrow(&seen[l])).collect();
+    let moves = |&l: &usize| moving.vertex(geometry, geometry.triangles[seen[l] as usize][0]);
+    if !narrow.iter().any(moves) {
+        return Vec::new();
+    }
+    let share = 1.0 / narrow.len() as f64;
+    let follow = |&l: &usize| {
+        let triangle = geometry.triangles[seen[l] as usize];
+        let [v0, v1, v2] = triangle.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+        let origin = vector(camera.origin.as_dvec3());
+        let (_, b1, b2) = triangle_hit(origin, vector(directions[l]), v0, v1, v2);
+        Followed {
+            triangle,
+            barycentrics: [1.0 - b1 - b2, b1, b2],
+            at: points[l],
+            share,
+        }
+    };
+    let all = narrow.iter().map(follow);
+    all.filter(|f| f.barycentrics.iter().all(|b| b.is_finite()))
+        .collect()
+}

@@ -1,0 +1,196 @@
+//! The film's drift: a velocity field that carries the film's samples along with what they see.
+//!
+//! Differentiated at a fixed film point, what a sample sees slides over the surface: by one over
+//! the sine of a grazing angle, and with its normal, along which a narrow lobe turns its light. Over
+//! curved metal or glass this has a noise many times that of the image. For any smooth field V over
+//! the film, with f the radiance and h a pixel's filter,
+//!
+//!   ∂∫h f = ∫ h (∂f + V·∇f + f ∇·V) + f V·∇h  +  Σ_borders h (V_b − V)·n (f₋ − f₊),
+//!
+//! because the integral of ∇·(h f V) over the film vanishes if V does at its rim. The first terms
+//! are those of a sample whose film point moves by V. If V is about the velocity of the surface that
+//! is seen, nothing slides: what is left of them is the noise of an image. The borders bring what
+//! they do not share with V. This is the change of variables of Loubet et al. (2019) with their
+//! choice of what to follow, points that were hit, but with a field that need not agree with any
+//! border, because borders are found as everywhere else.
+//!
+//! V is fixed before any sample is drawn that it is applied to, so that the mean is right whatever
+//! V is. It is interpolated between *nodes*, whose velocities are means of those of a few points
+//! that a pilot has hit. So it is linear in the velocities of vertices and camera, and the backward
+//! sweep can hand it on to them.
+
+use crate::lanes::{LANES, Lane};
+use crate::paths::film::camera::Camera;
+use crate::paths::film::lattice::Lattice;
+use crate::trace::geometry::Geometry;
+use glam::DVec3;
+
+/// Pixels between nodes, about.
+const SPACING: f64 = 3.0;
+
+/// A point of a surface that a node follows.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    /// Vertices of its triangle, and its barycentrics.
+    pub triangle: [u32; 3],
+    pub barycentrics: [f64; 3],
+    /// The film point at which it is seen.
+    pub at: [f64; 2],
+    /// What the node's velocity has of its own.
+    pub share: f64,
+}
+
+/// The nodes of a film: a grid from rim to rim, on which it rests.
+#[derive(Clone, Debug)]
+pub struct DriftGrid {
+    start: [f64; 2],
+    /// Pixels between nodes.
+    pub spacing: [f64; 2],
+    /// Along x and y.
+    pub nodes: [usize; 2],
+}
+
+/// What the nodes follow.
+pub struct Drift {
+    pub grid: DriftGrid,
+    pub followed: Vec<Vec<Followed>>,
+}
+
+/// Velocities of all nodes along one direction of parameters, in pixels.
+pub struct DriftVelocity<'a> {
+    drift: &'a Drift,
+    nodes: Vec<[f64; 2]>,
+}
+
+/// A node's share in the velocity at a point, and how that changes per pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Share {
+    pub node: usize,
+    pub weight: f64,
+    pub gradient: [f64; 2],
+}
+
+impl DriftGrid {
+    /// For the domain that a film's lattice samples.
+    pub fn new(lattice: &Lattice) -> Self {
+        let extent = [0, 1].map(|i| f64::from(lattice.end[i] - lattice.start[i]));
+        let cells = extent.map(|e| (e / SPACING).round().max(1.0));
+        Self {
+            start: lattice.start.map(f64::from),
+            spacing: [0, 1].map(|i| extent[i] / cells[i]),
+            nodes: cells.map(|c| c as usize + 1),
+        }
+    }
+
+    /// The film point of a node.
+    pub fn position(&self, node: usize) -> [f64; 2] {
+        let at = [node % self.nodes[0], node / self.nodes[0]];
+        [0, 1].map(|i| self.start[i] + at[i] as f64 * self.spacing[i])
+    }
+
+    /// Whether a node lies on the rim.
+    pub fn is_rim(&self, node: usize) -> bool {
+        let at = [node % self.nodes[0], node / self.nodes[0]];
+        (0..2).any(|i| at[i] == 0 || at[i] + 1 == self.nodes[i])
+    }
+
+    /// The shares of the nodes around a point; bilinear.
+    pub fn shares(&self, at: [f64; 2]) -> [Share; 4] {
+        let axis = |i: usize| {
+            let place = (at[i] - self.start[i]) / self.spacing[i];
+            let first = place.floor().clamp(0.0, self.nodes[i] as f64 - 2.0);
+            // Outer lattice points lie beyond the rim, where there is no drift.
+            let part = place - first;
+            (first as usize, part, (0.0..=1.0).contains(&part))
+        };
+        let [(x, s, in_x), (y, t, in_y)] = [axis(0), axis(1)];
+        if !(in_x && in_y) {
+            return [Share::default(); 4];
+        }
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| {
+            let (wx, gx) = if i == 0 { (1.0 - s, -1.0) } else { (s, 1.0) };
+            let (wy, gy) = if j == 0 { (1.0 - t, -1.0) } else { (t, 1.0) };
+            Share {
+                node: (y + j) * self.nodes[0] + x + i,
+                weight: wx * wy,
+                gradient: [gx * wy / self.spacing[0], wx * gy / self.spacing[1]],
+            }
+        })
+    }
+}
+
+/// A line through a followed point along one axis of the film, which tells of its motion along the
+/// other: with F that of an edge (`kernels::silhouette`).
+pub struct FilmLine {
+    /// In the world.
+    pub along: DVec3,
+    /// Velocity in pixels per unit of Ḟ.
+    pub velocity_per_side: f64,
+}
+
+impl Followed {
+    /// The point in the world.
+    pub fn point(&self, geometry: &Geometry) -> DVec3 {
+        let corner = |(&v, b): (&u32, f64)| geometry.positions[v as usize].as_dvec3() * b;
+        let corners = self.triangle.iter().zip(self.barycentrics);
+        corners.map(corner).sum()
+    }
+
+    /// The lines that tell of its motion along the film's axes.
+    pub fn lines(&self, camera: &Camera, geometry: &Geometry) -> [FilmLine; 2] {
+        let per_pixel = camera.direction_per_pixel();
+        let to = self.point(geometry) - camera.origin.as_dvec3();
+        [0, 1].map(|axis| {
+            let along = per_pixel[1 - axis];
+            FilmLine {
+                along,
+                velocity_per_side: -1.0 / to.cross(along).dot(per_pixel[axis]),
+            }
+        })
+    }
+}
+
+impl Drift {
+    /// Whether the film may drift at a point.
+    pub fn moves(&self, at: [f64; 2]) -> bool {
+        let shares = self.grid.shares(at);
+        shares.iter().any(|s| !self.followed[s.node].is_empty())
+    }
+
+    /// The lanes of a row of film points at which it may.
+    pub fn lanes(&self, u: Lane, v: Lane) -> u32 {
+        let (u, v) = (u.to_array(), v.to_array());
+        (0..LANES)
+            .filter(|&l| self.moves([f64::from(u[l]), f64::from(v[l])]))
+            .fold(0, |bits, l| bits | 1 << l)
+    }
+
+    /// The velocities of all nodes, given those of what is followed.
+    pub fn velocity(&self, of: impl Fn(&Followed) -> [f64; 2]) -> DriftVelocity<'_> {
+        let node = |followed: &Vec<Followed>| {
+            followed.iter().fold([0.0; 2], |sum, f| {
+                let own = of(f);
+                [0, 1].map(|i| sum[i] + f.share * own[i])
+            })
+        };
+        DriftVelocity {
+            drift: self,
+            nodes: self.followed.iter().map(node).collect(),
+        }
+    }
+}
+
+impl DriftVelocity<'_> {
+    /// Velocity in pixels, and its divergence, at a film point.
+    pub fn at(&self, at: [f64; 2]) -> ([f64; 2], f64) {
+        let mut velocity = [0.0; 2];
+        let mut divergence = 0.0;
+        for share in self.drift.grid.shares(at) {
+            for i in 0..2 {
+                velocity[i] += share.weight * self.nodes[share.node][i];
+                divergence += share.gradient[i] * self.nodes[share.node][i];
+            }
+        }
+        (velocity, divergence)
+    }
+}
