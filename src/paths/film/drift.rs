@@ -26,7 +26,7 @@ use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
 /// Pixels between nodes, about.
-const SPACING: f64 = 3.0;
+const SPACING: f64 = 2.0;
 
 /// A point of a surface that a node follows.
 #[derive(Clone, Copy, Debug)]
