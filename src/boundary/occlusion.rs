@@ -144,9 +144,7 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         lamp,
         is_open_at_one,
     } = *way;
-    let SearchScene {
-        view, adjacency, ..
-    } = *scene;
+    let view = scene.view;
     let mut at = 0.0;
     let is_free = |at: f64, counts: &mut Counts| {
         if at >= 1.0 {
@@ -184,19 +182,8 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         if !is_occluder(triangle, lamp) {
             return Followed::Lost(at);
         }
-        let arc = Arc {
-            origin: point.leave(direction(at)).as_dvec3(),
-            a: direction(at),
-            b: direction(1.0),
-        };
-        let fold = match walk(
-            view.geometry,
-            adjacency,
-            &arc,
-            [triangle, NO_TRIANGLE],
-            1.0,
-            &mut Reservoir::closed(),
-        ) {
+        let ends = [direction(at), direction(1.0)];
+        let fold = match walk_over(scene, point, triangle, ends) {
             Walk::Fold(fold) => fold,
             Walk::Continues if !is_open_at_one => return Followed::AllHidden,
             _ => return Followed::Lost(at),
@@ -215,6 +202,23 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         }
     }
     Followed::Lost(at)
+}
+
+/// Walks over the surface that is seen in the first of two directions toward the other.
+fn walk_over(scene: &SearchScene, point: &SurfacePoint, seen: u32, [a, b]: [DVec3; 2]) -> Walk {
+    let arc = Arc {
+        origin: point.leave(a).as_dvec3(),
+        a,
+        b,
+    };
+    walk(
+        scene.view.geometry,
+        scene.adjacency,
+        &arc,
+        [seen, NO_TRIANGLE],
+        1.0,
+        &mut Reservoir::closed(),
+    )
 }
 
 /// Whether a triangle that is seen hides the light.

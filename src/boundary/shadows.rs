@@ -13,7 +13,7 @@ use crate::paths::light::lamp::Lamp;
 use glam::DVec3;
 
 /// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
-const SMALLEST_CHANCE: f64 = 1e-4;
+const SMALLEST_CHANCE: f64 = 1e-3;
 
 /// The chance that one of several points lies in an interval: points at equal distances, in which
 /// its length is given, and one more that lies in it with chance `extra`.

@@ -124,6 +124,28 @@ fn shadow_of_what_is_scaled() {
     check(&shadow(), &[("block.scale", &[1.0])], 128, None, Fails);
 }
 
+/// A lamp of 320 triangles that is looked at as one thing, and one that is none because it is bent.
+#[test]
+fn shadow_under_lamps_of_many_triangles() {
+    let centre = vec3(0.2, 0.1, 2.2);
+    for lamp in [ball(2, centre, 0.5), spiky(centre, 0.5, [1.0, 0.8])] {
+        let body = placed(
+            cuboid(vec3(0.5, 0.3, 0.1)),
+            vec3(12.0, 25.0, 33.0),
+            vec3(0.0, 0.0, 0.6),
+        );
+        let scene = small_floor().solid("block", body, [0.3, 0.5, 0.2]).light(
+            "lamp",
+            lamp,
+            [4.0, 5.0, 6.0],
+        );
+        for key in ["block.translation", "lamp.translation"] {
+            let moved = (key, [1.0, 0.3, -0.4].as_slice());
+            check_to(0.04, &scene, &[moved], 512, Some(0.01), Fails);
+        }
+    }
+}
+
 #[test]
 fn moving_light() {
     check(
@@ -217,7 +239,7 @@ fn bends_of_smooth_bodies() {
         vec3(0.0, 100.0, 0.0),
         vec3(0.0, 0.0, 100.0),
     );
-    for (levels, spp) in [(0, 64), (1, 512)] {
+    for (levels, spp) in [(0, 64), (1, 640)] {
         let scene = scene(vec3(0.3, 0.2, 4.0), Vec3::ZERO, 20.0, [16; 2], GAUSSIAN)
             .smooth("ball", ball(levels, Vec3::ZERO, 1.0), [0.7, 0.4, 0.2])
             .solid("wall", wall.clone(), [0.0; 3])

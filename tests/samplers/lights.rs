@@ -144,3 +144,45 @@ fn points_cover_the_lights() {
     );
     chi_squared("points", &counts, &expected);
 }
+
+/// A light is one thing if it is convex, of one piece, closed, and shines outward; and each of its
+/// points has the place on its patch that the patch says.
+#[test]
+fn round_lights_are_lamps() {
+    let body = || ball(1, vec3(0.1, 0.2, 3.0), 0.4);
+    let (positions, triangles) = body();
+    let inward = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let open = triangles[1..].to_vec();
+    let mut two = body();
+    let far = positions.iter().map(|&p| p + vec3(2.0, 0.0, 0.0));
+    let first = positions.len() as u32;
+    two.0.extend(far.collect::<Vec<_>>());
+    two.1.extend(triangles.iter().map(|t| t.map(|v| v + first)));
+    let shapes = [
+        (body(), true),
+        ((positions.clone(), inward), false),
+        ((positions, open), false),
+        (two, false),
+        (spiky(vec3(0.1, 0.2, 3.0), 0.4, [1.2, 0.8]), false),
+    ];
+    for (shape, is_lamp) in shapes {
+        let scene = scene(vec3(0.0, -4.0, 2.0), Vec3::ZERO, 40.0, [4; 2], BOX);
+        let scene = scene.light("lamp", shape, [1.0; 3]);
+        let geometry = Geometry::new(&scene);
+        let lights = Lights::new(&scene, &geometry, false);
+        assert_eq!(lights.lamps[0].is_some(), is_lamp);
+        let Some(lamp) = &lights.lamps[0] else {
+            continue;
+        };
+        assert!((lamp.chance - 1.0).abs() < 1e-6, "{}", lamp.chance);
+        for (number, patch) in lights.patches.iter().enumerate() {
+            for (s, r) in [(0.2, 0.3), (0.7, 0.1)] {
+                let (triangle, b) = patch.triangle_at(s, r);
+                assert_eq!(lamp.patch(triangle), Some(number as u32));
+                let place = patch.place_on(triangle, b.map(f64::from));
+                let error = (place[0] - f64::from(s)).hypot(place[1] - f64::from(r));
+                assert!(error < 1e-6, "{place:?} for {s}, {r}");
+            }
+        }
+    }
+}

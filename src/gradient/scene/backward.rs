@@ -1,5 +1,6 @@
 //! Sums of cotangents: one tile's, sparse, and the whole film's, in the order of the tiles.
 
+use crate::gradient::scene::sparse::SparseVectors;
 use crate::gradient::terms::{Object, Terms, TileTerms};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::film::drift::Drift;
@@ -68,46 +69,6 @@ impl Wanted {
     /// Whether the mesh of a triangle is wanted.
     pub fn moves(&self, geometry: &Geometry, triangle: u32) -> bool {
         triangle != NO_TRIANGLE && self.mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
-    }
-}
-
-/// A vector a vertex, most of which stay zero.
-#[derive(Default)]
-pub struct SparseVectors {
-    values: Vec<Vec3>,
-    is_touched: Vec<bool>,
-    touched: Vec<u32>,
-}
-
-impl SparseVectors {
-    fn new(len: usize) -> Self {
-        Self {
-            values: vec![Vec3::ZERO; len],
-            is_touched: vec![false; len],
-            touched: Vec::new(),
-        }
-    }
-
-    #[inline]
-    pub fn add(&mut self, vertex: u32, value: Vec3) {
-        let at = vertex as usize;
-        if !self.is_touched[at] {
-            self.is_touched[at] = true;
-            self.touched.push(vertex);
-        }
-        self.values[at] += value;
-    }
-
-    /// Takes what was added, leaving nothing.
-    fn drain(&mut self) -> Vec<(u32, Vec3)> {
-        let touched = std::mem::take(&mut self.touched);
-        touched
-            .into_iter()
-            .map(|v| {
-                self.is_touched[v as usize] = false;
-                (v, std::mem::take(&mut self.values[v as usize]))
-            })
-            .collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lights of many triangles that are round: seen from outside, one thing.
 
-use crate::paths::light::patches::{NONE, Patch};
+use crate::paths::light::twins::NONE;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 use std::ops::Range;
@@ -26,15 +26,13 @@ pub struct Lamp {
 }
 
 impl Lamp {
-    /// The lamp that a mesh with these patches is, the first of which has number `first_patch`, and
-    /// with these twins of its half-edges ([`twins`]); `None` if it is none.
-    ///
-    /// [`twins`]: crate::paths::light::patches
+    /// The lamp that a mesh is whose half-edges have these twins, and whose patches, from this
+    /// number on, have these triangles; `None` if it is none.
     pub fn new(
         geometry: &Geometry,
         mesh: usize,
         twins: &[u32],
-        (first_patch, patches): (usize, &[Patch]),
+        (first_patch, patches): (usize, &[[u32; 2]]),
     ) -> Option<Self> {
         if patches.len() < MANY {
             return None;
@@ -51,8 +49,8 @@ impl Lamp {
             return None;
         }
         let mut own = vec![0; (end - first) as usize];
-        for (number, patch) in patches.iter().enumerate() {
-            for triangle in patch.triangles {
+        for (number, of_patch) in patches.iter().enumerate() {
+            for triangle in of_patch {
                 own[(triangle - first) as usize] = (first_patch + number) as u32;
             }
         }

@@ -4,3 +4,4 @@ pub mod delta;
 pub mod lamp;
 pub mod patches;
 pub mod sample;
+mod twins;

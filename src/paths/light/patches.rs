@@ -6,10 +6,10 @@
 
 use crate::lanes::{LANES, Lane};
 use crate::paths::light::lamp::Lamp;
+use crate::paths::light::twins::{NONE, twins};
 use crate::scene::{Layout, Rgb, Scene};
 use crate::trace::geometry::Geometry;
 use glam::Vec3;
-use rayon::slice::ParallelSliceMut;
 
 /// A part of an area light.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ pub struct Patch {
     /// Chance of being picked.
     pub probability: f32,
     /// The triangles whose corners `lower` and `upper` are.
-    pub(super) triangles: [u32; 2],
+    triangles: [u32; 2],
     /// By how much these are turned.
     turns: [u8; 2],
 }
@@ -63,12 +63,9 @@ impl Lights {
             let level = all / texels.len() as f64;
             let twins = twins(geometry, light.mesh);
             let own = pair_triangles(geometry, light.mesh, &twins);
-            lamps.push(Lamp::new(
-                geometry,
-                light.mesh,
-                &twins,
-                (patches.len(), &own),
-            ));
+            let triangles: Vec<_> = own.iter().map(|patch| patch.triangles).collect();
+            let numbered = (patches.len(), triangles.as_slice());
+            lamps.push(Lamp::new(geometry, light.mesh, &twins, numbered));
             for mut patch in own {
                 patch.light = index as u32;
                 let halves = if patch.upper.is_some() { 1.0 } else { 0.5 };
@@ -201,9 +198,6 @@ pub fn luminance(c: Rgb) -> f64 {
     0.2126 * c[0] as f64 + 0.7152 * c[1] as f64 + 0.0722 * c[2] as f64
 }
 
-/// No half-edge.
-pub(super) const NONE: u32 = u32::MAX;
-
 /// Joins triangles of a mesh that share a diagonal into parallelograms, each triangle at most once,
 /// in order.
 fn pair_triangles(geometry: &Geometry, mesh: usize, twins: &[u32]) -> Vec<Patch> {
@@ -251,35 +245,4 @@ fn pair_triangles(geometry: &Geometry, mesh: usize, twins: &[u32]) -> Vec<Patch>
         });
     }
     patches
-}
-
-/// For each half-edge of a mesh (3·triangle + the corner it is opposite to) the latest one before
-/// it that runs the other way between the same positions, or [`NONE`].
-fn twins(geometry: &Geometry, mesh: usize) -> Vec<u32> {
-    let welded = geometry.welded(mesh);
-    let v0 = geometry.first_vertex[mesh];
-    let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m] as usize);
-    let triangles = &geometry.triangles[first..end];
-    // Sorted so that the half-edges between two positions stand together, in their order.
-    let mut edges: Vec<(u64, u32, bool)> = Vec::with_capacity(3 * triangles.len());
-    for (t, triangle) in triangles.iter().enumerate() {
-        let v = triangle.map(|v| welded[(v - v0) as usize]);
-        for c in 0..3 {
-            let (from, to) = (v[(c + 1) % 3], v[(c + 2) % 3]);
-            let key = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
-            edges.push((key, (3 * t + c) as u32, from < to));
-        }
-    }
-    edges.par_sort_unstable();
-    let mut twins = vec![NONE; edges.len()];
-    for between in edges.chunk_by(|a, b| a.0 == b.0) {
-        let mut latest = [NONE; 2];
-        for &(key, half_edge, up) in between {
-            // One without a length runs both ways.
-            let is_point = key >> 32 == key & u64::from(u32::MAX);
-            twins[half_edge as usize] = latest[usize::from(up == is_point)];
-            latest[usize::from(up)] = half_edge;
-        }
-    }
-    twins
 }

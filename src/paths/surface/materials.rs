@@ -19,6 +19,9 @@ pub const NONE: u32 = u32::MAX;
 /// reflections alone, and are differentiated in their own (the threshold of [Loubet2019]'s
 /// implementation, there between kernels and convolutions).
 const WIDE_ALPHA: f32 = 0.15;
+/// The same before an environment map: what is small on it passes through a lobe much faster than
+/// the lobe changes where it stands.
+const WIDE_ALPHA_BEFORE_MAPS: f32 = 0.05;
 
 /// One material, prepared.
 pub struct Entry {
@@ -129,7 +132,13 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             kinds.ggx = if is_ggx { ALL } else { 0 };
             set(ALPHA, alpha);
             let least = scene.textures[alpha].texels.iter().map(|t| t[0]);
-            if least.fold(f32::INFINITY, f32::min) >= WIDE_ALPHA && kinds.dielectric == 0 {
+            let before_map = scene.environment.as_ref().is_some_and(|e| e.map.is_some());
+            let wide = if before_map {
+                WIDE_ALPHA_BEFORE_MAPS
+            } else {
+                WIDE_ALPHA
+            };
+            if least.fold(f32::INFINITY, f32::min) >= wide && kinds.dielectric == 0 {
                 kinds.wide = ALL;
             }
             if let Bsdf::Plastic { eta, .. } = *bsdf {

@@ -10,25 +10,40 @@
 //! Rows and columns have to agree on which velocity a border has, so that this may depend on
 //! nothing but the place. It is told by a *pilot*: short lines of rays, as far apart as the
 //! lattice's points, of which no sample knows. A border between two of them is *unresolved* if
-//! their next neighbours do not see the same surfaces.
+//! their next neighbours do not see the same surfaces. If what ends there is parallel to it nothing
+//! is said: the borders of a hair have the same shortest velocity anyhow, and their points may slide
+//! along it.
 
 use super::cell::LatticeCells;
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::arc::Arc;
+use crate::discontinuity::between::between;
 use crate::discontinuity::boundary::dvec3;
 use crate::lanes::LANES;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::rays::{RayPacket, from_lanes, splat};
 use crate::trace::Coherence;
+use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Pixels along a side of a block, for all of which one decision is made.
 const BLOCK: f64 = 4.0;
 /// The pilot's lines through a block.
 const LINES: u32 = 8;
-/// The most, until one of them meets a border.
-const MOST_LINES: u32 = 96;
+/// The most, until one of them meets a border that tells.
+const MOST_LINES: u32 = 32;
 /// A block is crowded if more than one in this many of its borders is unresolved.
 const CROWD: usize = 2;
+
+/// Borders that the pilot has met.
+#[derive(Default)]
+struct Met {
+    resolved: usize,
+    unresolved: usize,
+    /// Unresolved, but parallel to their neighbours.
+    parallel: usize,
+}
 
 /// The blocks of a tile about which has been asked.
 pub struct Crowds<'a> {
@@ -57,21 +72,22 @@ impl<'a> Crowds<'a> {
     }
 
     fn is_crowded(&self, block: [i32; 2], counts: &mut Counts) -> bool {
-        let [mut met, mut unresolved] = [0; 2];
+        let mut met = Met::default();
         for line in 0..MOST_LINES {
-            if line >= LINES && met > 0 {
+            if line >= LINES && met.resolved + met.unresolved > 0 {
                 break;
             }
-            let [more, of_them] = self.look(block, line, counts);
-            met += more;
-            unresolved += of_them;
+            self.look(block, line, &mut met, counts);
         }
-        // What the pilot does not meet at all is small.
-        met == 0 || CROWD * unresolved > met
+        if met.resolved + met.unresolved == 0 {
+            // What the pilot does not meet at all is small.
+            return met.parallel == 0;
+        }
+        CROWD * met.unresolved > met.resolved + met.unresolved
     }
 
-    /// How many borders lie on a line through a block, and how many of them are unresolved.
-    fn look(&self, block: [i32; 2], line: u32, counts: &mut Counts) -> [usize; 2] {
+    /// Counts the borders on a line through a block.
+    fn look(&self, block: [i32; 2], line: u32, met: &mut Met, counts: &mut Counts) {
         let (view, tile) = (self.cells.scene.view, self.cells.film.tile);
         let camera = &view.camera;
         let axis = (line % 2) as usize;
@@ -97,16 +113,53 @@ impl<'a> Crowds<'a> {
         };
         counts.probe += LANES as u64;
         let seen = view.intersect(&rays, Coherence::Coherent);
-        let goes_on: [bool; LANES - 1] = std::array::from_fn(|i| {
-            self.cells
-                .goes_on([directions[i], directions[i + 1]], [seen[i], seen[i + 1]])
+        // Of each interval: `None` if one surface is seen on both sides.
+        let borders: [Option<Normal>; LANES - 1] = std::array::from_fn(|i| {
+            let ends = [directions[i], directions[i + 1]];
+            self.border(ends, [seen[i], seen[i + 1]])
         });
-        let borders = (1..LANES - 2).filter(|&i| !goes_on[i]);
-        let [mut met, mut unresolved] = [0; 2];
-        for i in borders {
-            met += 1;
-            unresolved += (!goes_on[i - 1] || !goes_on[i + 1]) as usize;
+        for i in 1..LANES - 2 {
+            let Some(normal) = borders[i] else { continue };
+            let mut beside = [borders[i - 1], borders[i + 1]].into_iter().flatten();
+            if [borders[i - 1], borders[i + 1]] == [None; 2] {
+                met.resolved += 1;
+            } else if beside.all(|n| is_parallel(normal, n)) {
+                met.parallel += 1;
+            } else {
+                met.unresolved += 1;
+            }
         }
-        [met, unresolved]
     }
+
+    /// What lies between two directions in which these triangles are seen, if they are not of one
+    /// surface.
+    fn border(&self, [a, b]: [DVec3; 2], seen: [u32; 2]) -> Option<Normal> {
+        let SearchScene {
+            view, adjacency, ..
+        } = *self.cells.scene;
+        if seen[0] == seen[1] {
+            return None;
+        }
+        let origin = view.camera.origin.as_dvec3();
+        let arc = Arc { origin, a, b };
+        match between(view.geometry, adjacency, &arc, seen, None, 0.0) {
+            Ok([None, _]) => None,
+            Ok([Some(crossing), _]) => {
+                let c = crossing.boundary.normal(view.geometry, origin);
+                let normal = view.camera.direction_per_pixel().map(|d| c.dot(d));
+                Some(DVec2::from(normal).try_normalize())
+            }
+            Err(_) => Some(None),
+        }
+    }
+}
+
+/// Of a border on the film, if it was found.
+type Normal = Option<DVec2>;
+
+/// The shortest velocities of borders that are less than some ten degrees from parallel are alike.
+const PARALLEL: f64 = 0.2;
+
+fn is_parallel(a: Normal, b: Normal) -> bool {
+    matches!((a, b), (Some(a), Some(b)) if a.perp_dot(b).abs() < PARALLEL)
 }

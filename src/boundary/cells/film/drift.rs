@@ -1,8 +1,8 @@
 //! What the film drifts with (`paths::film::drift`).
 //!
-//! Around each node a pilot looks at the film in a few points. Where it meets a narrow lobe the node
-//! follows what it hits of such surfaces; elsewhere it rests. Diffuse light hardly changes along a
-//! surface, and there the image's noise would be worse than what it replaces.
+//! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or plastic
+//! the node follows what it hits of such surfaces; elsewhere it rests. Diffuse light hardly changes
+//! along a surface, and there the image's noise would be worse than what it replaces.
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
@@ -61,19 +61,19 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
     };
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
-    let is_narrow = |&triangle: &u32| {
+    let is_special = |&triangle: &u32| {
         triangle != NO_TRIANGLE && {
             let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
             let material = view.materials.of_mesh(view.scene, mesh);
-            material.kinds.seen_along_bounces() != 0
+            material.kinds.special() != 0
         }
     };
-    let narrow: Vec<usize> = (0..LANES).filter(|&l| is_narrow(&seen[l])).collect();
+    let special: Vec<usize> = (0..LANES).filter(|&l| is_special(&seen[l])).collect();
     let moves = |&l: &usize| moving.vertex(geometry, geometry.triangles[seen[l] as usize][0]);
-    if !narrow.iter().any(moves) {
+    if !special.iter().any(moves) {
         return Vec::new();
     }
-    let share = 1.0 / narrow.len() as f64;
+    let share = 1.0 / special.len() as f64;
     let follow = |&l: &usize| {
         let triangle = geometry.triangles[seen[l] as usize];
         let [v0, v1, v2] = triangle.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
@@ -86,7 +86,7 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
             share,
         }
     };
-    let all = narrow.iter().map(follow);
+    let all = special.iter().map(follow);
     all.filter(|f| f.barycentrics.iter().all(|b| b.is_finite()))
         .collect()
 }

@@ -9,7 +9,7 @@
 //! A border's velocity is that of its point, relative to the lamp's point behind it: a₁t₁ + a₂t₂
 //! with t the directions of both families there. Lines of a family bring its part of the sum.
 
-use super::{PAIRS, POINTS, chance_of_point, lamp_of, points};
+use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points};
 use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint, is_occluder};
 use crate::boundary::search_scene::SearchScene;

@@ -11,9 +11,9 @@
 //! the lines' ends lie on the light's rim, so that the cells cover them without gaps, and jittered
 //! points divide them. No kernel width: a silhouette that crosses a line is found with certainty if
 //! it crosses the cell once. A shadow that is shorter than the spacing of the points may be missed,
-//! and is weighed for that (`crate::boundary::reciprocal`).
+//! and is weighed for that (`crate::boundary::shadows`).
 
-use super::{PAIRS, POINTS, chance_of_point, points};
+use super::line::{PAIRS, POINTS, chance_of_point, points};
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows};
