@@ -172,8 +172,8 @@ impl Moved {
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
             let (velocity, divergence) = drift.at([u[lane].into(), v[lane].into()]);
             moved.divergence[lane] = divergence as f32;
-            for i in 0..2 {
-                moved.velocity[i][lane] = velocity[i] as f32;
+            for (lanes, v) in moved.velocity.iter_mut().zip(velocity) {
+                lanes[lane] = v as f32;
             }
         }
         moved

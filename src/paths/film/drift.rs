@@ -186,10 +186,10 @@ impl DriftVelocity<'_> {
         let mut velocity = [0.0; 2];
         let mut divergence = 0.0;
         for share in self.drift.grid.shares(at) {
-            for i in 0..2 {
-                velocity[i] += share.weight * self.nodes[share.node][i];
-                divergence += share.gradient[i] * self.nodes[share.node][i];
-            }
+            let node = self.nodes[share.node];
+            velocity[0] += share.weight * node[0];
+            velocity[1] += share.weight * node[1];
+            divergence += share.gradient[0] * node[0] + share.gradient[1] * node[1];
         }
         (velocity, divergence)
     }
