@@ -114,6 +114,11 @@ impl<L: ShadowLine> Shadows<'_, L> {
                 return Reach::Rim;
             };
             let ends = [self.points[from], self.points[to]];
+            if ends[0] == ends[1] {
+                // Points beyond an end of the line were put there.
+                from = to;
+                continue;
+            }
             let between = line.between(ends);
             let way = Way {
                 direction: &between,
