@@ -209,7 +209,7 @@ fn strip(width: f32) -> common::shapes::Shape {
 /// in all.
 fn check_thin(scene: Scene, key: &str, values: &[f32], speed: f64) {
     let along = direction(&scene, &[(key, values)]);
-    let sums: Vec<f64> = (1..=2000)
+    let sums: Vec<f64> = (1..=1500)
         .map(|seed| {
             let gradient = gradient(&scene, &settings(&scene, Method::Reparam, 64, seed), &along);
             gradient.iter().step_by(3).sum()

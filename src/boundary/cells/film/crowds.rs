@@ -32,7 +32,9 @@ const BLOCK: f64 = 4.0;
 /// The pilot's lines through a block.
 const LINES: u32 = 8;
 /// The most, until one of them meets a border that tells.
-const MOST_LINES: u32 = 32;
+const MOST_LINES: u32 = 96;
+/// So many parallel borders are those of hairs.
+const MANY_PARALLEL: usize = 8;
 /// A block is crowded if more than one in this many of its borders is unresolved.
 const CROWD: usize = 2;
 
@@ -74,14 +76,11 @@ impl<'a> Crowds<'a> {
     fn is_crowded(&self, block: [i32; 2], counts: &mut Counts) -> bool {
         let mut met = Met::default();
         for line in 0..MOST_LINES {
-            if line >= LINES && met.resolved + met.unresolved > 0 {
+            let tells = met.resolved + met.unresolved > 0 || met.parallel >= MANY_PARALLEL;
+            if line >= LINES && tells {
                 break;
             }
             self.look(block, line, &mut met, counts);
-        }
-        if met.resolved + met.unresolved == 0 {
-            // What the pilot does not meet at all is small.
-            return met.parallel == 0;
         }
         CROWD * met.unresolved > met.resolved + met.unresolved
     }
