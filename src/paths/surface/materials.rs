@@ -72,6 +72,18 @@ impl MaterialTable {
     }
 }
 
+/// Whether a roughness is wide wherever it is looked up.
+fn is_wide(scene: &Scene, alpha: usize) -> bool {
+    let before_map = scene.environment.as_ref().is_some_and(|e| e.map.is_some());
+    let wide = if before_map {
+        WIDE_ALPHA_BEFORE_MAPS
+    } else {
+        WIDE_ALPHA
+    };
+    let least = scene.textures[alpha].texels.iter().map(|t| t[0]);
+    least.fold(f32::INFINITY, f32::min) >= wide
+}
+
 fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     const ALL: u32 = u32::MAX;
     let mut slots = [NONE; SLOTS];
@@ -131,14 +143,7 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             let is_ggx = distribution == Distribution::Ggx;
             kinds.ggx = if is_ggx { ALL } else { 0 };
             set(ALPHA, alpha);
-            let least = scene.textures[alpha].texels.iter().map(|t| t[0]);
-            let before_map = scene.environment.as_ref().is_some_and(|e| e.map.is_some());
-            let wide = if before_map {
-                WIDE_ALPHA_BEFORE_MAPS
-            } else {
-                WIDE_ALPHA
-            };
-            if least.fold(f32::INFINITY, f32::min) >= wide && kinds.dielectric == 0 {
+            if is_wide(scene, alpha) && kinds.dielectric == 0 {
                 kinds.wide = ALL;
             }
             if let Bsdf::Plastic { eta, .. } = *bsdf {
