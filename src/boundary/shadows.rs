@@ -3,8 +3,8 @@
 //! A point of the line that is hidden lies in a *shadow*: an interval in which all is hidden. From
 //! the point its occluders are followed to both of its ends, whatever lies elsewhere on the line.
 //! So the shadow is found if any of the line's points lies in it, and the chance P of that follows
-//! from its two ends alone. Both ends are weighed by 1/P [HorvitzThompson1952]. If they move alike,
-//! as those of a thin thing do, what they bring together stays bounded however small P is.
+//! from its two ends alone. Both ends are weighed by 1/P (Horvitz & Thompson 1952). If they move
+//! alike, as those of a thin thing do, what they bring together stays bounded however small P is.
 
 use crate::boundary::occlusion::{Followed, OccluderEnd, SurfacePoint, Way, follow_occluders};
 use crate::boundary::search_scene::SearchScene;
