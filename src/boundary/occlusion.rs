@@ -17,6 +17,9 @@ use glam::{DVec3, Vec3};
 pub const PROBE: f64 = 1e-3;
 /// The nearest that they may look, in coordinates: some 30 units in the last place.
 pub const NEAREST: f64 = 2e-6;
+/// Halvings of an interval in which the end of a shadow lies that nothing explains: its length is
+/// wanted for the shadow's other end.
+const BISECTIONS: u32 = 16;
 /// Occluders behind one another that are followed before a cell is given up.
 const MAX_OCCLUDERS: usize = 64;
 
@@ -126,7 +129,7 @@ pub enum Followed {
     End(OccluderEnd),
     /// One hides after another, up to the interval's end.
     AllHidden,
-    /// No end was found beyond this coordinate.
+    /// What hides ends here, and it is not known why.
     Lost(f64),
 }
 
@@ -180,13 +183,13 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         counts.probe += 1;
         let triangle = point.first_hit(view, direction(at), far);
         if !is_occluder(triangle, lamp) {
-            return Followed::Lost(at);
+            return Followed::Lost(end_beyond(at, is_free, counts));
         }
         let ends = [direction(at), direction(1.0)];
         let fold = match walk_over(scene, point, triangle, ends) {
             Walk::Fold(fold) => fold,
             Walk::Continues if !is_open_at_one => return Followed::AllHidden,
-            _ => return Followed::Lost(at),
+            _ => return Followed::Lost(end_beyond(at, is_free, counts)),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
         at = crossing + PROBE;
@@ -201,7 +204,21 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
             });
         }
     }
-    Followed::Lost(at)
+    Followed::Lost(end_beyond(at, is_free, counts))
+}
+
+/// Where what hides coordinate `from` ends, if coordinate 1 is open; an end beyond it else.
+fn end_beyond(from: f64, is_free: impl Fn(f64, &mut Counts) -> bool, counts: &mut Counts) -> f64 {
+    let [mut hidden, mut open] = [from, 1.0];
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (hidden + open);
+        *(if is_free(middle, counts) {
+            &mut open
+        } else {
+            &mut hidden
+        }) = middle;
+    }
+    0.5 * (hidden + open)
 }
 
 /// Walks over the surface that is seen in the first of two directions toward the other.

@@ -57,7 +57,7 @@ enum Reach {
     Rim,
     /// To where its last occluder ends, at a coordinate.
     Edge(OccluderEnd, f64),
-    /// As far as this coordinate at least.
+    /// To this coordinate, and it is not known why.
     Lost(f64),
 }
 

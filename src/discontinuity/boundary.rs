@@ -10,7 +10,7 @@
 //! direction to a followed point. On lights, whose cells are large, it is the better one: two
 //! silhouettes of one moving object that fall into the same cell are missed together, and with V
 //! the velocity of the object itself, the same at both, what is missed cancels. On the film cells
-//! are smaller than pixels, and the shortest V has less variance (both measured in docs/method.md).
+//! are smaller than pixels, and the shortest V has less variance but in crowds (docs/method.md, 2).
 //! Its part along axis 0 is that of a line through the point along axis 1: it too is written as an
 //! F.
 

@@ -124,21 +124,25 @@ fn shadow_of_what_is_scaled() {
     check(&shadow(), &[("block.scale", &[1.0])], 128, None, Fails);
 }
 
-/// A lamp of 320 triangles that is looked at as one thing, and one that is none because it is bent.
+/// A round lamp of 320 triangles, which is looked at as one thing, just below a ceiling; and two that
+/// are none: a long one and a bent one.
 #[test]
 fn shadow_under_lamps_of_many_triangles() {
     let centre = vec3(0.2, 0.1, 2.2);
-    for lamp in [ball(2, centre, 0.5), spiky(centre, 0.5, [1.0, 0.8])] {
+    let mut long = ball(2, centre, 0.3);
+    let stretch = |p: &mut Vec3| p.y += 2.0 * (p.y - centre.y);
+    long.0.iter_mut().for_each(stretch);
+    let lamps = [ball(2, centre, 0.5), long, spiky(centre, 0.5, [1.0, 0.8])];
+    for lamp in lamps {
         let body = placed(
             cuboid(vec3(0.5, 0.3, 0.1)),
             vec3(12.0, 25.0, 33.0),
             vec3(0.0, 0.0, 0.6),
         );
-        let scene = small_floor().solid("block", body, [0.3, 0.5, 0.2]).light(
-            "lamp",
-            lamp,
-            [4.0, 5.0, 6.0],
-        );
+        let scene = small_floor()
+            .solid("block", body, [0.3, 0.5, 0.2])
+            .solid("ceiling", ceiling(vec3(0.0, 0.0, 2.75), 3.0), [0.5; 3])
+            .light("lamp", lamp, [4.0, 5.0, 6.0]);
         for key in ["block.translation", "lamp.translation"] {
             let moved = (key, [1.0, 0.3, -0.4].as_slice());
             check_to(0.05, &scene, &[moved], 512, Some(0.01), Fails);

@@ -145,11 +145,15 @@ fn points_cover_the_lights() {
     chi_squared("points", &counts, &expected);
 }
 
-/// A light is one thing if it is convex, of one piece, closed, and shines outward; and each of its
+/// A light is one thing if it is round, of one piece, closed, and shines outward; and each of its
 /// points has the place on its patch that the patch says.
 #[test]
 fn round_lights_are_lamps() {
-    let body = || ball(1, vec3(0.1, 0.2, 3.0), 0.4);
+    let body = || ball(2, vec3(0.1, 0.2, 3.0), 0.4);
+    let stretched = |(mut positions, triangles): (Vec<Vec3>, Vec<[u32; 3]>)| {
+        positions.iter_mut().for_each(|p| p.x *= 2.0);
+        (positions, triangles)
+    };
     let (positions, triangles) = body();
     let inward = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let open = triangles[1..].to_vec();
@@ -160,6 +164,8 @@ fn round_lights_are_lamps() {
     two.1.extend(triangles.iter().map(|t| t.map(|v| v + first)));
     let shapes = [
         (body(), true),
+        (ball(1, vec3(0.1, 0.2, 3.0), 0.4), false),
+        (stretched(body()), false),
         ((positions.clone(), inward), false),
         ((positions, open), false),
         (two, false),

@@ -1,8 +1,8 @@
 //! The camera that renders, and the film point a ray goes through.
 
 use crate::kernels::camera::camera_direction;
-use crate::lanes::{Real, V3};
-use crate::paths::rays::splat;
+use crate::lanes::{Lane, Real, V3};
+use crate::paths::rays::{RayPacket, splat};
 use crate::scene::Sensor;
 use glam::{DVec3, Vec3};
 
@@ -62,6 +62,17 @@ impl Camera {
         let (px, py) = self.film_to_camera(u, v);
         let [x, y, z] = self.axes.map(splat);
         camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
+    }
+
+    /// Its rays along these directions, in the lanes of `active`.
+    pub fn rays(&self, direction: V3<Lane>, active: u32) -> RayPacket {
+        RayPacket {
+            active,
+            origin: splat(self.origin),
+            direction,
+            near: self.near_clip,
+            far: self.far_clip,
+        }
     }
 
     /// How the direction changes per pixel to the right and down.

@@ -27,6 +27,9 @@ use glam::DVec3;
 
 /// Pixels between nodes, about.
 const SPACING: f64 = 2.0;
+/// Along an axis there are no more intervals than this, whatever the film's size: it bounds the
+/// memory, and on large films everything is large.
+const MOST_INTERVALS: f64 = 256.0;
 
 /// A point of a surface that a node follows.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +77,7 @@ impl DriftGrid {
     /// For the domain that a film's lattice samples.
     pub fn new(lattice: &Lattice) -> Self {
         let extent = [0, 1].map(|i| f64::from(lattice.end[i] - lattice.start[i]));
-        let cells = extent.map(|e| (e / SPACING).round().max(1.0));
+        let cells = extent.map(|e| (e / SPACING).round().clamp(1.0, MOST_INTERVALS));
         Self {
             start: lattice.start.map(f64::from),
             spacing: [0, 1].map(|i| extent[i] / cells[i]),

@@ -7,7 +7,7 @@ use crate::paths::film::filter::{Block, FilmFilter, Taps};
 use crate::paths::film::lattice::{LatticeImage, Tile};
 use crate::paths::integrator::Integrator;
 use crate::paths::random::morton;
-use crate::paths::rays::{RayPacket, splat, to_rgb};
+use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
@@ -60,13 +60,8 @@ impl TracedTile {
             if !keep {
                 store.forget_paths();
             }
-            let rays = RayPacket {
-                active: packet.active,
-                origin: splat(view.camera.origin),
-                direction: view.camera.direction(packet.u, packet.v),
-                near: view.camera.near_clip,
-                far: view.camera.far_clip,
-            };
+            let direction = view.camera.direction(packet.u, packet.v);
+            let rays = view.camera.rays(direction, packet.active);
             let index =
                 std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
             let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));

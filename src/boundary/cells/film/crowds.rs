@@ -22,7 +22,7 @@ use crate::discontinuity::boundary::dvec3;
 use crate::lanes::LANES;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
-use crate::paths::rays::{RayPacket, from_lanes, splat};
+use crate::paths::rays::from_lanes;
 use crate::trace::Coherence;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -103,13 +103,10 @@ impl<'a> Crowds<'a> {
             at[axis] += ray as f64 * tile.step[axis];
             dvec3(camera.direction(at[0], at[1]))
         });
-        let rays = RayPacket {
-            active: u32::MAX >> (32 - LANES),
-            origin: splat(camera.origin),
-            direction: from_lanes(&directions.map(|d| d.as_vec3())),
-            near: camera.near_clip,
-            far: camera.far_clip,
-        };
+        let rays = camera.rays(
+            from_lanes(&directions.map(|d| d.as_vec3())),
+            u32::MAX >> (32 - LANES),
+        );
         counts.probe += LANES as u64;
         let seen = view.intersect(&rays, Coherence::Coherent);
         // Of each interval: `None` if one surface is seen on both sides.

@@ -12,7 +12,7 @@ use crate::paths::dimensions::Single;
 use crate::paths::estimator::WholeFilm;
 use crate::paths::film::drift::{Drift, DriftGrid, Followed};
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, from_lanes, splat};
+use crate::paths::rays::from_lanes;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use rayon::prelude::*;
@@ -52,13 +52,10 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
         })
     });
     let directions = points.map(|[u, v]| dvec3(camera.direction(u, v)));
-    let rays = RayPacket {
-        active: u32::MAX >> (32 - LANES),
-        origin: splat(camera.origin),
-        direction: from_lanes(&directions.map(|d| d.as_vec3())),
-        near: camera.near_clip,
-        far: camera.far_clip,
-    };
+    let rays = camera.rays(
+        from_lanes(&directions.map(|d| d.as_vec3())),
+        u32::MAX >> (32 - LANES),
+    );
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
     let is_special = |&triangle: &u32| {

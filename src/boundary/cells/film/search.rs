@@ -25,7 +25,7 @@ use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, from_lanes, splat};
+use crate::paths::rays::from_lanes;
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -150,13 +150,7 @@ fn look(
 ) -> Probed {
     let camera = &cells.film.view.camera;
     let start = Start {
-        rays: RayPacket {
-            active: sides.active,
-            origin: splat(camera.origin),
-            direction: from_lanes(directions),
-            near: camera.near_clip,
-            far: camera.far_clip,
-        },
+        rays: camera.rays(from_lanes(directions), sides.active),
         depth: 0,
         drifts: 0,
         with_emission: true,

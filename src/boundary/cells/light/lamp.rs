@@ -3,8 +3,8 @@
 //! A line on one of a thousand triangles meets a shadow a thousand times as seldom as one over the
 //! whole lamp. Here lines are arcs over the cone in which a lamp's sphere is seen, of two families
 //! about two axes across the cone's own (`boundary::cells::lobe::line`), one of each for a vertex.
-//! What is between the vertex and the lamp hides it; the lamp's own outline is no border in the
-//! lamp's coordinates, since light leaves it there along the surface.
+//! What is nearer than a plane just behind the lamp's centre hides it; the lamp's own outline is no
+//! border in the lamp's coordinates, since light leaves it there along the surface.
 //!
 //! A border's velocity is that of its point, relative to the lamp's point behind it: a₁t₁ + a₂t₂
 //! with t the directions of both families there. Lines of a family bring its part of the sum.
@@ -19,6 +19,7 @@ use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::counts::Counts;
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::lamp::Lamp;
 use crate::paths::moving::Sector;
@@ -59,7 +60,8 @@ pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mu
                 is_open: &is_open,
             };
             for edge in shadows.edges(&mut out.counts) {
-                let sample = line.sample(scene, edge.end, edge.at, edge.jump);
+                let place = (edge.at, edge.jump);
+                let sample = line.sample(scene, edge.end, place, &mut out.counts);
                 out.samples.extend(sample);
             }
         }
@@ -166,11 +168,30 @@ impl<'a> LampLine<'a> {
         self.poles[self.axis] * psi.sin() + self.middle * psi.cos()
     }
 
-    /// Where it meets the plane through the lamp's centre across the way there: what hides the lamp
-    /// is nearer.
+    /// Where it meets the plane across the way to the lamp behind which nothing of it is seen: what
+    /// hides the lamp is nearer.
     fn end(&self, psi: f64) -> DVec3 {
         let d = self.direction(psi);
-        self.x + d * (self.way.length_squared() / self.way.dot(d))
+        let distance = self.way.length();
+        self.x + d * (distance * (distance + self.lamp.behind) / self.way.dot(d))
+    }
+
+    /// The triangle of the lamp that is seen beside the end of a shadow, and whether what hides it is
+    /// seen on the other side; where it is not the lamp itself hides the end.
+    fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
+        let extent = self.points[POINTS - 1] - self.points[0];
+        let seen = [-1.0, 1.0].map(|side| {
+            let at = psi + side * jump.signum() * BESIDE * extent;
+            let toward = self.between([at, at])(0.0);
+            self.point.first_hit(scene.view, toward, self.far())
+        });
+        counts.probe += 2;
+        let [open, hidden] = seen.map(|triangle| is_occluder(triangle, Some(self.lamp)));
+        if open || !hidden {
+            counts.unresolved += 1;
+            return None;
+        }
+        self.lamp.patch(seen[0]).map(|_| seen[0])
     }
 
     /// What the end of a shadow brings, if the lamp is seen beside it.
@@ -178,18 +199,14 @@ impl<'a> LampLine<'a> {
         &self,
         scene: &SearchScene,
         end: OccluderEnd,
-        psi: f64,
-        jump: f64,
+        (psi, jump): (f64, f64),
+        counts: &mut Counts,
     ) -> Option<BoundarySample> {
         let (view, geometry) = (scene.view, scene.view.geometry);
         let At {
             vertices, surface, ..
         } = *self.at;
-        // Beside it, away from what hides.
-        let extent = self.points[POINTS - 1] - self.points[0];
-        let beside = psi - jump.signum() * BESIDE * extent;
-        let toward = self.between([beside, beside])(0.0);
-        let triangle = self.point.first_hit(view, toward, self.far());
+        let triangle = self.beside(scene, psi, jump, counts)?;
         let patch = self.lamp.patch(triangle)?;
         let d = self.direction(psi);
         let corners = geometry.triangles[triangle as usize];
@@ -219,7 +236,11 @@ impl<'a> LampLine<'a> {
         // F is linear in the direction, which is of length t where the sweeps evaluate it.
         let density = self.inverse_density / (t * self.lamp.chance);
         let brings = colour.as_dvec3() * (jump * per_side * cos * FRAC_1_PI * density);
-        brings.is_finite().then(|| BoundarySample {
+        if !brings.is_finite() {
+            counts.boundary_not_finite += 1;
+            return None;
+        }
+        Some(BoundarySample {
             boundary,
             lane: lane as u8,
             at: Coordinate::Light { patch, at: place },
