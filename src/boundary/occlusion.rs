@@ -105,6 +105,17 @@ impl SurfacePoint {
         self.x + self.geometric * step
     }
 
+    /// From where rays start that leave for the point `y`, to there. `leave` starts on the same side:
+    /// a `y` so near to the surface's plane that it lies between the two starts is moved into it.
+    pub fn toward(&self, y: DVec3) -> DVec3 {
+        let (x, n) = (self.x.as_dvec3(), self.geometric.as_dvec3());
+        let height = (y - x).dot(n);
+        let d = y - self.leave(y - x).as_dvec3();
+        let least = f64::EPSILON.sqrt() * d.length();
+        let lifted = d.dot(n) * height.signum();
+        d + n * ((least - lifted).max(0.0) * height.signum())
+    }
+
     /// The first triangle on the way along `d`, of `far` times its length.
     pub fn first_hit(&self, view: &SceneView, d: DVec3, far: f32) -> u32 {
         view.first_hit(self.leave(d), d.as_vec3(), 0.0, far)

@@ -23,14 +23,16 @@ use crate::paths::counts::Counts;
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::lamp::Lamp;
 use crate::paths::moving::Sector;
-use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
+use crate::paths::rays::{OFFSET, RayPacket, SHADOW_FAR, from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// How far beside a shadow's end the lamp is looked for, as a part of the line.
+/// How far beside a shadow's end the lamp is looked for: a part of the line, and an angle under which
+/// the distance from surfaces at which rays start is seen from the lamp.
 const BESIDE: f64 = 2e-4;
+const CLEAR: f64 = 10.0;
 
 /// Finds what hides their lamps from these lanes.
 pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mut Found) {
@@ -180,8 +182,10 @@ impl<'a> LampLine<'a> {
     /// seen on the other side; where it is not the lamp itself hides the end.
     fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
         let extent = self.points[POINTS - 1] - self.points[0];
+        let offset = f64::from(OFFSET) * (self.x.abs().max_element() + 1.0);
+        let angle = (BESIDE * extent).max(CLEAR * offset / self.way.length());
         let seen = [-1.0, 1.0].map(|side| {
-            let at = psi + side * jump.signum() * BESIDE * extent;
+            let at = psi + side * jump.signum() * angle;
             let toward = self.between([at, at])(0.0);
             self.point.first_hit(scene.view, toward, self.far())
         });
@@ -254,7 +258,7 @@ impl ShadowLine for LampLine<'_> {
         let [a, b] = ends.map(|psi| self.end(psi));
         move |s| {
             let y = a.lerp(b, s);
-            y - self.point.leave(y - self.x).as_dvec3()
+            self.point.toward(y)
         }
     }
 

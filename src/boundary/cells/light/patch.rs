@@ -193,7 +193,7 @@ impl ShadowLine for LightLine<'_> {
         move |s| {
             let along = self.coordinate(ends, s) as f32;
             let y = point_on_line(self.patch(), self.axis, along, self.fixed).as_dvec3();
-            y - self.point.leave(y - self.point.x.as_dvec3()).as_dvec3()
+            self.point.toward(y)
         }
     }
 
