@@ -1,8 +1,16 @@
 //! The scene as searches for boundaries see it.
 
 use crate::discontinuity::adjacency::Adjacency;
+use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::pieces::Pieces;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
+use glam::DVec3;
+use std::sync::OnceLock;
+
+/// A thing is small if the sine of half the angle that it fills is less than this: it fills half a
+/// cell of a line over a diffuse lobe at most.
+const SMALL: f64 = 0.2;
 
 /// What rays see, which triangles are neighbours, and what moves.
 #[derive(Clone, Copy)]
@@ -10,4 +18,19 @@ pub struct SearchScene<'a> {
     pub view: &'a SceneView<'a>,
     pub adjacency: &'a Adjacency,
     pub moving: &'a Moving,
+    /// Filled in when first asked for.
+    pub pieces: &'a OnceLock<Pieces>,
+}
+
+impl SearchScene<'_> {
+    /// Whether a border is that of a thing that is small as seen from `x`, so that lines mostly miss
+    /// it.
+    pub fn is_small(&self, border: &Boundary, x: DVec3) -> bool {
+        let Boundary::Edge([v, _]) = *border else {
+            return false;
+        };
+        let find = || Pieces::new(self.view.geometry, self.adjacency);
+        let around = self.pieces.get_or_init(find).around(v);
+        around.radius < SMALL * around.centre.distance(x)
+    }
 }

@@ -6,5 +6,6 @@ pub mod arc;
 pub mod between;
 pub mod boundary;
 pub mod crossing;
+pub mod pieces;
 pub mod texture_edges;
 pub mod walk;

@@ -94,7 +94,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
             Discontinuity::SoftShadow,
         ]),
         way: Way::Paths,
-        boundary: Some(|adjacency, moving| Box::new(Cells { adjacency, moving })),
+        boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),
     },
     Estimator {
         method: Method::Interior,

@@ -6,20 +6,13 @@ use common::materials::Paint;
 use common::optics::*;
 use common::statistics::Estimate;
 use common::swatch::{Swatch, bare};
-use glam::{DVec3, dvec3};
+use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use warpath::boundary::cells::lobe::line::{LaneSurface, Line, Lobe, line_weight};
+use warpath::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
 use warpath::lanes::Lane;
 use warpath::paths::rays::lane_of;
 use warpath::paths::surface::lobe_sample::cosine_direction;
 use warpath::scene::Distribution::Ggx;
-
-/// A line's 1/p(φ), through what it is public for; `poles` of both families.
-fn inverse_density(line: &Line, poles: [DVec3; 2], axis: usize) -> f64 {
-    let (c, d) = (dvec3(0.3, 0.5, -0.7), line.direction(0.4));
-    let weight = line.crossing_weight(c, d).expect("a crossing");
-    weight / line_weight(poles, axis, c, d).expect("a crossing")
-}
 
 /// Counts how often a point of lines, their two ends apart, falls between two angles, against the
 /// chance they tell.
@@ -100,7 +93,7 @@ fn lines_of_diffuse_light() {
             turns[place] += 1;
             // p is a sine: its integral over a bin from its value anywhere in it.
             let [a, b] = [place, place + 1].map(|k| PI * k as f64 / 32.0);
-            shares[place] = (a.cos() - b.cos()) / turn.sin() / inverse_density(&line, poles, axis);
+            shares[place] = (a.cos() - b.cos()) / turn.sin() / line.inverse_density;
             runs.iter_mut().for_each(|run| run.look_at(&line));
             let without = Line::diffuse(&at, bounce, axis, jitter, false);
             runs_without
@@ -168,7 +161,7 @@ fn lines_of_narrow_lobes() {
             for place in [0.01, 0.1, 0.3, 0.5, 0.75, 0.95, 0.99] {
                 let at = |place: f64| Line::lobe(&at, axis, place, 0.5).expect("a line");
                 let slope = (turn(&at(place + 1e-6)) - turn(&at(place - 1e-6))) / 2e-6;
-                let told = inverse_density(&at(place), poles, axis);
+                let told = at(place).inverse_density;
                 assert!(
                     (slope / told - 1.0).abs() < 1e-4,
                     "{what}, pole {axis}, {place}: {slope} against {told}"
@@ -228,7 +221,7 @@ fn lines_of_narrow_lobes_carry_what_bounces_do() {
                 };
                 let mut poles = [&line, &other].map(|l| l.direction(FRAC_PI_2));
                 poles.rotate_right(axis);
-                let inverse_density = inverse_density(&line, poles, axis);
+                let inverse_density = line.inverse_density;
                 let [low, high] = [line.psi[0], line.psi[line.psi.len() - 1]];
                 // Finer in the middle of the lobe: ψ = 0.1 sinh t.
                 let [from, to] = [low, high].map(|psi| (psi / 0.1).asinh());

@@ -9,6 +9,7 @@ mod lights;
 mod lines;
 mod lobes;
 mod normals;
+mod pieces;
 mod sky;
 mod streams;
 

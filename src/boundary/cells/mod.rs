@@ -9,26 +9,38 @@ pub mod lobe;
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::adjacency::Adjacency;
+use crate::discontinuity::pieces::Pieces;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::Found;
 use crate::paths::estimator::{Bounce, BoundaryEstimator, FilmTile, LightDraw, WholeFilm};
 use crate::paths::film::drift::Drift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
+use std::sync::OnceLock;
 
 /// Changes of variables that hold the discontinuities still in cells (`docs/method.md`).
 pub struct Cells<'a> {
-    pub adjacency: &'a Adjacency,
+    adjacency: &'a Adjacency,
     /// What moves, of what there are boundaries.
-    pub moving: &'a Moving,
+    moving: &'a Moving,
+    pieces: OnceLock<Pieces>,
 }
 
 impl<'a> Cells<'a> {
-    fn scene(&self, view: &'a SceneView<'a>) -> SearchScene<'a> {
+    pub fn new(adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        Self {
+            adjacency,
+            moving,
+            pieces: OnceLock::new(),
+        }
+    }
+
+    fn scene<'s>(&'s self, view: &'s SceneView<'s>) -> SearchScene<'s> {
         SearchScene {
             view,
             adjacency: self.adjacency,
             moving: self.moving,
+            pieces: &self.pieces,
         }
     }
 }

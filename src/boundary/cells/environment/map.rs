@@ -4,7 +4,8 @@
 //! As `boundary::cells::light` for area lights. The jump is the map's radiance where the silhouette
 //! is.
 
-use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
+use crate::boundary::cells::lobe::families::Family;
+use crate::boundary::cells::lobe::line::above_horizon;
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows, chance_of_any};
@@ -150,8 +151,17 @@ impl<'a> MapLines<'a> {
         } = *self.at;
         let d = direction(&line.line, psi);
         let x = vertices.position(view.geometry, lane);
+        let family = Family {
+            poles: self.distribution.poles(),
+            axis: line.line.axis,
+        };
+        let boundary = if self.scene.is_small(&boundary, x) {
+            family.of_point(boundary, view.geometry, x, d)
+        } else {
+            boundary
+        };
         let c = boundary.normal(view.geometry, x);
-        let Some(per_side) = line_weight(self.distribution.poles(), line.line.axis, c, d) else {
+        let Some(per_side) = family.weight(&boundary, c, d) else {
             return;
         };
         let per_side = per_side * line.line.inverse_density;

@@ -41,8 +41,9 @@ pub struct FilmCell<'a> {
     triangles: [u32; 2],
     /// How many cells it stands for.
     pub weight: u32,
-    /// Its own among those of the tile.
-    pub number: u32,
+    /// Which random numbers probes have: those of the cell, or, in crowds, of the line. What is seen
+    /// on the inner sides of a thin thing's two borders, in neighbouring cells, cancels then.
+    pub numbers: u32,
 }
 
 impl<'a> LatticeCells<'a> {
@@ -83,7 +84,7 @@ impl<'a> LatticeCells<'a> {
             length: self.film.tile.step[line.axis],
             triangles: [at, at + 1].map(|at| self.triangle(line, at, counts)),
             weight: 1,
-            number: 0,
+            numbers: 0,
         }
     }
 
@@ -134,6 +135,13 @@ impl<'a> LatticeCells<'a> {
 }
 
 impl FilmCell<'_> {
+    /// Has the random numbers of its line.
+    pub fn share_numbers(&mut self) {
+        let [columns, rows] = self.cells.film.tile.points;
+        let LatticeLine { axis, number } = self.line;
+        self.numbers = (2 * columns * rows + axis * rows + number) as u32;
+    }
+
     /// Film position of a place.
     pub fn position(&self, s: f64) -> [f64; 2] {
         let mut at = self.start;

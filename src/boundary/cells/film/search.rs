@@ -33,23 +33,22 @@ use std::collections::BTreeSet;
 /// crowds.
 const UNLIKELY: u32 = 8;
 
-/// Cells of a tile are fewer than two to this; above it, the probes of one cell are numbered. So
-/// the first probes of neighbours have neighbouring indices, which are well spread.
-const CELL_BITS: u32 = 22;
-/// More than are found at once in a cell.
-const PROBES_OF_ROUND: u32 = 64;
-
 /// Finds what jumps between all neighbours between which something that moves may be seen.
 pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let cells = LatticeCells { scene, film };
     let mut search = LineSearch::new(scene, &mut out.counts);
     let mut crowds = Crowds::new(cells);
     let (mut candidates, skipped) = searched_cells(&cells, &mut crowds, &mut search);
+    for candidate in &mut candidates {
+        let Candidate { crossing, cell, .. } = candidate;
+        if crossing.is_silhouette() && crowds.contain(cell.position(0.0), search.counts) {
+            cell.share_numbers();
+        }
+    }
     let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
-    for round in 0..ROUNDS {
-        let mut last = (u32::MAX, 0);
+    for _ in 0..ROUNDS {
         candidates = search.probe(&candidates, |group, directions, sides, counts| {
-            let index = probe_index(group, round, &mut last);
+            let index = std::array::from_fn(|l| group.get(l / 2).map_or(0, |c| c.cell.numbers));
             look(&cells, (directions, sides), &stream, &index, counts)
         });
         if candidates.is_empty() {
@@ -117,27 +116,12 @@ fn searched_cells<'a>(
                     continue;
                 }
                 let mut cell = cells.cell(line, at as i64, search.counts);
-                (cell.weight, cell.number) = (weight, number);
+                (cell.weight, cell.numbers) = (weight, number);
                 candidates.extend(search.candidates(&cell, Some(choice)));
             }
         }
     }
     (candidates, skipped)
-}
-
-/// The random numbers of probes: both sides of a crossing share theirs, and nothing else does.
-/// They depend on the cell alone, and not on what else is searched for. `last` is the cell of the
-/// probe before, and its place in that.
-fn probe_index(group: &[Candidate<FilmCell>], round: u32, last: &mut (u32, u32)) -> [u32; LANES] {
-    let mut index = [0; LANES];
-    for (i, candidate) in group.iter().enumerate() {
-        let number = candidate.cell.number;
-        let place = if last.0 == number { last.1 + 1 } else { 0 };
-        *last = (number, place);
-        let own = (round * PROBES_OF_ROUND + place) << CELL_BITS | number;
-        index[2 * i..2 * i + 2].fill(own);
-    }
-    index
 }
 
 /// The radiance along these directions.

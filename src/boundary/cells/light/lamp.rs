@@ -10,7 +10,8 @@
 //! with t the directions of both families there. Lines of a family bring its part of the sum.
 
 use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points};
-use crate::boundary::cells::lobe::line::{above_horizon, line_weight};
+use crate::boundary::cells::lobe::families::Family;
+use crate::boundary::cells::lobe::line::above_horizon;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint, is_occluder};
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows};
@@ -111,8 +112,7 @@ struct LampLine<'a> {
     x: DVec3,
     /// Toward the lamp's centre, of full length.
     way: DVec3,
-    axis: usize,
-    poles: [DVec3; 2],
+    family: Family,
     middle: DVec3,
     /// 1/p(φ).
     inverse_density: f64,
@@ -157,8 +157,7 @@ impl<'a> LampLine<'a> {
             point: SurfacePoint::of_lane(at, lane),
             x,
             way,
-            axis,
-            poles,
+            family: Family { poles, axis },
             middle,
             inverse_density: 2.0 * half,
             points: points(ends, random),
@@ -167,7 +166,7 @@ impl<'a> LampLine<'a> {
 
     /// The unit direction at an angle.
     fn direction(&self, psi: f64) -> DVec3 {
-        self.poles[self.axis] * psi.sin() + self.middle * psi.cos()
+        self.family.pole() * psi.sin() + self.middle * psi.cos()
     }
 
     /// Where it meets the plane across the way to the lamp behind which nothing of it is seen: what
@@ -220,17 +219,13 @@ impl<'a> LampLine<'a> {
 
         let lane = self.lane;
         let x = vertices.position(geometry, lane);
-        let tangents = self.poles.map(|pole| (pole - d * d.dot(pole)).normalize());
         let edge = Boundary::Edge(end.edge);
         let boundary = match end.along {
-            Some(_) => edge.of_point(geometry, x, d, tangents[1 - self.axis]),
+            Some(_) => self.family.of_point(edge, geometry, x, d),
             None => edge,
         };
         let c = boundary.normal(geometry, x);
-        let per_side = match boundary {
-            Boundary::Point { .. } => -psi.cos() / c.dot(tangents[self.axis]),
-            _ => line_weight(self.poles, self.axis, c, d)?,
-        };
+        let per_side = self.family.weight(&boundary, c, d)?;
         let [s, r] = place.map(|p| p as f32);
         let radiance = Vec3::from(view.patch_radiance(patch, s, r));
         let w = from_lanes(&[d.as_vec3(); LANES]);
@@ -265,7 +260,7 @@ impl ShadowLine for LampLine<'_> {
     fn coordinate(&self, ends: [f64; 2], s: f64) -> f64 {
         let [a, b] = ends.map(|psi| self.end(psi));
         let d = a.lerp(b, s) - self.x;
-        self.poles[self.axis].dot(d).atan2(self.middle.dot(d))
+        self.family.pole().dot(d).atan2(self.middle.dot(d))
     }
 
     fn far(&self) -> f32 {

@@ -4,9 +4,8 @@
 //! M·cos ψ. With φ turning M about P the measure is dω = cos ψ dψ dφ. A line drawn with density
 //! p(φ) that a silhouette crosses with angular speed ψ̇ contributes (L₋ − L₊)·f cosθ·ψ̇·cos ψ/p(φ).
 //!
-//! Two families of lines are used, about two orthogonal axes P. Each could find every silhouette,
-//! so they are combined by weights W_f = F_f² / (F₁² + F₂²), F_f being the derivative of F along
-//! the line: that removes the 1/F_f of ψ̇ = −Ḟ/F_f, which is singular for silhouettes along a line.
+//! Two families of lines are used, about two orthogonal axes P, which share the motion of each
+//! border (`boundary::cells::lobe::families`).
 //!
 //! **Diffuse lobes**: the axes lie on the horizon, and the line goes through the
 //! cosine-distributed bounce, so that p(φ) = sin φ / 2 with φ counted from the horizon.
@@ -15,6 +14,7 @@
 //! has the marginal density of a lobe of GGX's shape, as wide as the roughness turns that direction
 //! (docs/method.md, 5).
 
+use super::families::Family;
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::shadows::chance_of_any;
 use crate::discontinuity::boundary::{dvec3, vector};
@@ -50,15 +50,13 @@ enum Spread {
 /// One line of one lane, or a part of it.
 #[derive(Clone)]
 pub struct Line {
-    /// P and M, unit and orthogonal.
-    pole: DVec3,
+    /// Whose pole is P, unit.
+    pub family: Family,
+    /// M, unit and orthogonal to P.
     middle: DVec3,
-    /// The poles of both families, and which is this line's.
-    poles: [DVec3; 2],
-    axis: usize,
     spread: Spread,
     /// 1/p(φ).
-    inverse_density: f64,
+    pub inverse_density: f64,
     /// Of all points, increasing.
     pub psi: Vec<f64>,
     /// Which of them is the bounce.
@@ -229,16 +227,17 @@ impl Line {
     /// The line through a diffuse bounce, of which `jitter` in [0, 1) places the points.
     pub fn diffuse(at: &LaneSurface, bounce: DVec3, axis: usize, jitter: f64, on: bool) -> Self {
         let frame = frame_of_lane(at.at.surface, at.lane);
-        let poles = [frame[0], frame[1]];
-        let pole = poles[axis];
+        let family = Family {
+            poles: [frame[0], frame[1]],
+            axis,
+        };
+        let pole = family.pole();
         let middle = (bounce - pole * bounce.dot(pole)).normalize();
         let of_bounce = bounce.dot(pole).atan2(bounce.dot(middle));
         let (psi, bounce) = Self::points(jitter, on.then_some(of_bounce));
         Self {
-            pole,
+            family,
             middle,
-            poles,
-            axis,
             spread: Spread::Diffuse,
             inverse_density: 2.0 / middle.dot(at.n).max(1e-9),
             psi,
@@ -310,10 +309,8 @@ impl Line {
         psi.insert(0, low);
         psi.push(high);
         Some(Self {
-            pole,
+            family: Family { poles, axis },
             middle,
-            poles,
-            axis,
             spread,
             inverse_density: 2.0 * turn * scale * scale.sqrt(),
             psi,
@@ -327,7 +324,7 @@ impl Line {
     /// side or the other, so that what they see jumps there. Shading normals are why a line crosses
     /// that plane.
     pub fn cut(&self, geometric: DVec3) -> Option<(f64, [Self; 2])> {
-        let at = -(self.middle.dot(geometric) / self.pole.dot(geometric)).atan();
+        let at = -(self.middle.dot(geometric) / self.family.pole().dot(geometric)).atan();
         let (&first, &last) = (self.psi.first()?, self.psi.last()?);
         if !(first + 2.0 * RIM..last - 2.0 * RIM).contains(&at) {
             return None;
@@ -354,27 +351,24 @@ impl Line {
 
     /// The direction at ψ, unit.
     pub fn direction(&self, psi: f64) -> DVec3 {
-        self.pole * psi.sin() + self.middle * psi.cos().max(0.0)
+        self.family.pole() * psi.sin() + self.middle * psi.cos().max(0.0)
     }
 
     /// Where a direction on the line lies on it.
     pub fn psi_of(&self, direction: DVec3) -> f64 {
-        self.pole.dot(direction).atan2(self.middle.dot(direction))
+        self.family
+            .pole()
+            .dot(direction)
+            .atan2(self.middle.dot(direction))
     }
 
     /// Where it can see something from `x`.
     pub fn sector(&self, x: DVec3, at: &LaneSurface) -> Sector {
         Sector {
             origin: x,
-            normal: self.pole.cross(self.middle),
+            normal: self.family.pole().cross(self.middle),
             inward: [self.middle, at.n * at.side()],
         }
-    }
-
-    /// What the radiance that a crossing brings is to be multiplied with, per unit of Ḟ and of f
-    /// cosθ, if F = `c`·d.
-    pub fn crossing_weight(&self, c: DVec3, d: DVec3) -> Option<f64> {
-        Some(line_weight(self.poles, self.axis, c, d)? * self.inverse_density)
     }
 
     /// The intervals between borders at these ψ, increasing.
@@ -431,20 +425,4 @@ pub fn above_horizon(pole: DVec3, middle: DVec3, n: DVec3) -> Option<[f64; 2]> {
         return None;
     }
     (high - low > 3.0 * RIM).then_some([low + RIM, high - RIM])
-}
-
-/// W_f·cos ψ·ψ̇/Ḟ of a line to pole number `axis`, where a silhouette with F = `c`·d crosses it at
-/// `d`; `None` where it does not cross.
-pub fn line_weight(poles: [DVec3; 2], axis: usize, c: DVec3, d: DVec3) -> Option<f64> {
-    let along = poles.map(|pole| {
-        let toward = pole - d * d.dot(pole);
-        c.dot(toward) / toward.length()
-    });
-    let norm = along[0] * along[0] + along[1] * along[1];
-    if norm.is_nan() || norm <= 0.0 {
-        return None;
-    }
-    let sin_psi = d.dot(poles[axis]);
-    let cos_psi = (1.0 - sin_psi * sin_psi).max(0.0).sqrt();
-    Some(-along[axis] / norm * cos_psi)
 }

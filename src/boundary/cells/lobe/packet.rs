@@ -5,7 +5,7 @@
 //! (`boundary::cells::lobe::search`).
 
 use super::line::{LaneSurface, Line, Lobe};
-use super::search::{self, LinePart, PROBES_OF_PART, Way};
+use super::search::{self, LinePart, Way};
 use super::vertex::{FAMILIES, LobeSearch};
 use crate::boundary::cells::environment::constant;
 use crate::boundary::search_scene::SearchScene;
@@ -16,10 +16,6 @@ use crate::paths::dimensions::{Branch, Pair, Single};
 use crate::paths::estimator::{Bounce, BounceEnd};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
-
-/// Samples of a tile are fewer than two to this; above it, probes of one line are numbered. So the
-/// first probes of neighbours have neighbouring indices, which are well spread.
-const INDEX_BITS: u32 = 22;
 
 /// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is
 /// drawn for all lanes.
@@ -143,12 +139,13 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     if !search.moves(lane, &line, &at) {
         return;
     }
-    // Both sides of a crossing share their random numbers, and nothing else does.
-    let probes = |number: u32| number << INDEX_BITS | index;
+    // All that looks along a line shares its random numbers: what is seen on the inner sides of a
+    // thin thing's two borders cancels then, as far as it is the same.
     let way = Way {
         lane,
         weight,
         is_narrow,
+        index,
         stream: &here.numbers.stream.branch(Branch::LobeProbe, [depth, 0, 0]),
     };
     let geometric = lane_of(here.surface.geometric, lane).as_dvec3();
@@ -156,7 +153,6 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         let part = LinePart {
             line: &line,
             choice: &choice,
-            probe_index: &probes,
         };
         search::on_part(search, &mut at, &way, &part);
         return;
@@ -166,17 +162,14 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         LinePart {
             line: &before,
             choice: &choice,
-            probe_index: &probes,
         },
         LinePart {
             line: &beyond,
             choice: &|cell| choice(cells + cell),
-            probe_index: &|number| probes(PROBES_OF_PART + number),
         },
     ];
     for part in &parts {
         search::on_part(search, &mut at, &way, part);
     }
-    let index = probes(2 * PROBES_OF_PART);
-    search::on_own_plane(search, &mut at, &way, [&before, &beyond], (psi, index));
+    search::on_own_plane(search, &mut at, &way, [&before, &beyond], psi);
 }

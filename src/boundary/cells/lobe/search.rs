@@ -22,17 +22,13 @@ use glam::{DVec3, Vec3};
 
 /// Silhouettes behind one another that are looked for in one cell.
 const ROUNDS: u32 = 8;
-/// Probes that a round of a part of a line is taken to have at most.
-const PROBES_OF_ROUND: u32 = 32;
-/// Those of the part.
-pub const PROBES_OF_PART: u32 = ROUNDS * PROBES_OF_ROUND;
-
 /// Whose line it is, how much that stands for, and how paths go on from what is found on it.
 pub struct Way<'a> {
     pub lane: usize,
     pub weight: f64,
     pub is_narrow: bool,
-    /// Of what probes see.
+    /// Of what probes see: their sample index, and the stream.
+    pub index: u32,
     pub stream: &'a Stream,
 }
 
@@ -42,8 +38,6 @@ pub struct LinePart<'a> {
     pub line: &'a Line,
     /// Uniform, for each cell.
     pub choice: &'a dyn Fn(u32) -> f64,
-    /// Sample index of each probe.
-    pub probe_index: &'a dyn Fn(u32) -> u32,
 }
 
 /// Finds what jumps on a part of a line.
@@ -60,19 +54,9 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
     for (i, cell) in cells.iter().enumerate() {
         found.extend(on_line.candidates(cell, Some((part.choice)(i as u32))));
     }
-    for round in 0..ROUNDS {
-        let mut first = round * PROBES_OF_ROUND;
+    for _ in 0..ROUNDS {
         found = on_line.probe(&found, |_, directions, sides, counts| {
-            let index = std::array::from_fn(|l| (part.probe_index)(first + (l / 2) as u32));
-            first += (LANES / 2) as u32;
-            look(
-                scene,
-                here,
-                &point,
-                way,
-                (directions, sides, &index),
-                counts,
-            )
+            look(scene, here, &point, way, (directions, sides), counts)
         });
         if found.is_empty() {
             break;
@@ -103,7 +87,7 @@ pub fn on_own_plane(
     at: &mut LaneSurface,
     way: &Way,
     [before, beyond]: [&Line; 2],
-    (psi, index): (f64, u32),
+    psi: f64,
 ) {
     let here = search.at;
     let (Some(&end), Some(&start)) = (before.psi.last(), beyond.psi.first()) else {
@@ -118,7 +102,7 @@ pub fn on_own_plane(
     let mut sides = Sides::default();
     sides.add(0, true, false);
     let (scene, counts) = (search.scene, &mut search.out.counts);
-    let asked = (&directions, sides, &[index; LANES]);
+    let asked = (&directions, sides);
     let (radiance, _) = look(scene, here, &point, way, asked, counts);
     let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
     let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
@@ -128,14 +112,13 @@ pub fn on_own_plane(
     }
 }
 
-/// Radiance from these directions, and the triangles that all sides see, with the random numbers of
-/// these indices.
+/// Radiance from these directions, and the triangles that all sides see.
 fn look(
     scene: &SearchScene,
     here: &At,
     point: &SurfacePoint,
     way: &Way,
-    (directions, sides, index): (&[Vec3; LANES], Sides, &[u32; LANES]),
+    (directions, sides): (&[Vec3; LANES], Sides),
     counts: &mut Counts,
 ) -> Probed {
     let normal = from_lanes(&[point.geometric; LANES]);
@@ -147,7 +130,7 @@ fn look(
         with_emission: way.is_narrow,
         between_planes: 0,
     };
-    scene.probe(start, sides, way.stream, index, counts)
+    scene.probe(start, sides, way.stream, &[way.index; LANES], counts)
 }
 
 /// The cells of a line: the intervals between its points, of which is seen what lies there.

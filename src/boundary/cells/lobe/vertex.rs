@@ -51,12 +51,21 @@ impl LobeSearch<'_> {
     ) {
         let (lane, vertices) = (at.lane(), self.at.vertices);
         let geometry = self.scene.view.geometry;
-        let c = boundary.normal(geometry, vertices.position(geometry, lane));
-        let (Some((local, value)), Some(weight)) =
-            (at.value(direction), line.crossing_weight(c, direction))
-        else {
+        let x = vertices.position(geometry, lane);
+        // The borders of what lines mostly miss cancel, if they move alike.
+        let boundary = if self.scene.is_small(&boundary, x) {
+            line.family.of_point(boundary, geometry, x, direction)
+        } else {
+            boundary
+        };
+        let c = boundary.normal(geometry, x);
+        let (Some((local, value)), Some(weight)) = (
+            at.value(direction),
+            line.family.weight(&boundary, c, direction),
+        ) else {
             return;
         };
+        let weight = weight * line.inverse_density;
         let chance = vertices.lobe_chance.to_array()[lane] as f64;
         let survival = vertices.line_survival.to_array()[lane] as f64;
         let throughput = lane_of(vertices.throughput, lane).as_dvec3();
