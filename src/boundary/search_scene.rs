@@ -19,18 +19,23 @@ pub struct SearchScene<'a> {
     pub adjacency: &'a Adjacency,
     pub moving: &'a Moving,
     /// Filled in when first asked for.
-    pub pieces: &'a OnceLock<Pieces>,
+    pub found_pieces: &'a OnceLock<Pieces>,
 }
 
 impl SearchScene<'_> {
+    /// What meshes consist of.
+    pub fn pieces(&self) -> &Pieces {
+        let find = || Pieces::new(self.view.geometry, self.adjacency);
+        self.found_pieces.get_or_init(find)
+    }
+
     /// Whether a border is that of a thing that is small as seen from `x`, so that lines mostly miss
     /// it.
     pub fn is_small(&self, border: &Boundary, x: DVec3) -> bool {
         let Boundary::Edge([v, _]) = *border else {
             return false;
         };
-        let find = || Pieces::new(self.view.geometry, self.adjacency);
-        let around = self.pieces.get_or_init(find).around(v);
+        let around = self.pieces().around(v);
         around.radius < SMALL * around.centre.distance(x)
     }
 }

@@ -49,8 +49,18 @@ impl Pieces {
         Self { of_vertex, spheres }
     }
 
+    /// The number of the piece that a vertex belongs to.
+    pub fn number(&self, vertex: u32) -> u32 {
+        self.of_vertex[vertex as usize]
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.spheres.len()
+    }
+
     /// A sphere around the piece that a vertex belongs to.
     pub fn around(&self, vertex: u32) -> Sphere {
-        self.spheres[self.of_vertex[vertex as usize] as usize]
+        self.spheres[self.number(vertex) as usize]
     }
 }

@@ -19,6 +19,13 @@ fn lit_by_one_another() {
     check(&foliage().depth(3), &[MOVED], 512, None, Fails);
 }
 
+/// The film drifts with leaves that rest.
+#[test]
+fn seen_by_a_moving_camera() {
+    let moved = ("cam.translation", [0.3, 0.0, 0.1].as_slice());
+    check(&foliage().depth(3), &[moved], 512, None, Fails);
+}
+
 #[test]
 fn seen_in_a_reflection() {
     let scene = foliage().depth(3).metal("floor", 0.05, Ggx);

@@ -40,7 +40,7 @@ impl<'a> Cells<'a> {
             view,
             adjacency: self.adjacency,
             moving: self.moving,
-            pieces: &self.pieces,
+            found_pieces: &self.pieces,
         }
     }
 }

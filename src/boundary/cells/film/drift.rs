@@ -1,8 +1,10 @@
 //! What the film drifts with (`paths::film::drift`).
 //!
 //! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or plastic
-//! the node follows what it hits of such surfaces; elsewhere it rests. Diffuse light hardly changes
-//! along a surface, and there the image's noise would be worse than what it replaces.
+//! the node follows what it hits of such surfaces, because their light changes along them. Where it
+//! meets many things the node follows all that it hits: there are too many borders to find, on the
+//! film and in what its vertices see, and they move about as the points do. Elsewhere it rests. The
+//! few borders there are found for sure, and an image's noise would be worse than theirs.
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
@@ -16,13 +18,18 @@ use crate::paths::rays::from_lanes;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// The pilot has a group to itself.
 const GROUP: u32 = u32::MAX;
 
+/// So many pieces, and the void among them, are many.
+const MANY: usize = 3;
+
 /// Makes the drift of a film; `None` if it rests everywhere.
 pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
-    if !film.filter.is_continuous() || !scene.view.materials.any_special {
+    let may = scene.view.materials.any_special || scene.pieces().count() + 1 >= MANY;
+    if !film.filter.is_continuous() || !may {
         return None;
     }
     let grid = DriftGrid::new(film.lattice);
@@ -58,19 +65,17 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
     );
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
-    let is_special = |&triangle: &u32| {
-        triangle != NO_TRIANGLE && {
-            let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
-            let material = view.materials.of_mesh(view.scene, mesh);
-            material.kinds.special() != 0
-        }
+    let sees_many = sees_many(scene, &seen);
+    let is_followed = |&lane: &usize| {
+        let triangle = seen[lane];
+        triangle != NO_TRIANGLE && (sees_many || is_special(scene, triangle))
     };
-    let special: Vec<usize> = (0..LANES).filter(|&l| is_special(&seen[l])).collect();
+    let lanes: Vec<usize> = (0..LANES).filter(is_followed).collect();
     let moves = |&l: &usize| moving.vertex(geometry, geometry.triangles[seen[l] as usize][0]);
-    if !special.iter().any(moves) {
+    if !lanes.iter().any(moves) {
         return Vec::new();
     }
-    let share = 1.0 / special.len() as f64;
+    let share = 1.0 / lanes.len() as f64;
     let follow = |&l: &usize| {
         let triangle = geometry.triangles[seen[l] as usize];
         let [v0, v1, v2] = triangle.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
@@ -83,7 +88,23 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
             share,
         }
     };
-    let all = special.iter().map(follow);
+    let all = lanes.iter().map(follow);
     all.filter(|f| f.barycentrics.iter().all(|b| b.is_finite()))
         .collect()
+}
+
+/// Whether these are of many pieces.
+fn sees_many(scene: &SearchScene, triangles: &[u32; LANES]) -> bool {
+    let pieces = scene.pieces();
+    let piece = |&triangle: &u32| {
+        let triangle = scene.view.geometry.triangles.get(triangle as usize);
+        triangle.map(|t| pieces.number(t[0]))
+    };
+    triangles.iter().map(piece).collect::<BTreeSet<_>>().len() >= MANY
+}
+
+fn is_special(scene: &SearchScene, triangle: u32) -> bool {
+    let view = scene.view;
+    let mesh = view.geometry.mesh_of_triangle[triangle as usize] as usize;
+    view.materials.of_mesh(view.scene, mesh).kinds.special() != 0
 }
