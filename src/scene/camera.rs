@@ -1,47 +1,14 @@
-//! Integrator, sensor, film, filter and sampler from their elements, with Mitsuba 3's defaults.
+//! Sensor, film, filter and sampler from their elements, with Mitsuba 3's defaults.
 
-use super::data::{Film, Filter, Integrator, Sensor};
+use super::data::{Film, Filter, Sensor};
 use super::error::SceneError;
+use super::nearest::shown;
 use super::rigid::rigid;
 use super::xml::{Object, Tree};
 use glam::Vec2;
 
 /// Film pixels in each direction: more is a typing error, and indices stay within 32 bits.
 const MAX_FILM_SIDE_PIXELS: u32 = 65_536;
-
-/// `path`, `direct` or one of `prb*`.
-pub(super) fn integrator(object: &Object) -> Result<Integrator, SceneError> {
-    // "direct" is a path tracer of two segments; it has no max_depth of its own.
-    let max_depth = if object.plugin == "direct" {
-        2
-    } else {
-        let default = if object.plugin.starts_with("prb") {
-            6
-        } else {
-            -1
-        };
-        match object.integer("max_depth")?.unwrap_or(default) {
-            -1 => u32::MAX,
-            depth => u32::try_from(depth).map_err(|_| {
-                let what =
-                    format!("\"max_depth\" must be -1 (no limit) or at least 0, not {depth}");
-                object.property_error("max_depth", what)
-            })?,
-        }
-    };
-    Ok(Integrator {
-        max_depth,
-        rr_depth: object.count("rr_depth", 5, 1)?,
-        hide_emitters: object.boolean("hide_emitters", false)?,
-    })
-}
-
-/// The `path` that Mitsuba uses when a scene has no integrator.
-pub(super) const DEFAULT_INTEGRATOR: Integrator = Integrator {
-    max_depth: u32::MAX,
-    rr_depth: 5,
-    hide_emitters: false,
-};
 
 /// `perspective`, under the id it will be listed with.
 pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor, SceneError> {
@@ -70,6 +37,10 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
             )
         }
     };
+    // A pinhole has all in focus, and nothing moves while the shutter is open.
+    for name in ["focus_distance", "shutter_open", "shutter_close"] {
+        object.float(name)?;
+    }
     let near_clip = object.positive("near_clip", 1e-2)?;
     let far_clip = object.positive("far_clip", 1e4)?;
     if near_clip as f32 >= far_clip as f32 {
@@ -94,17 +65,42 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
     })
 }
 
+/// The diagonal of a film frame of 35 mm, in millimetres, to which focal lengths refer.
+const FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_87;
+
+/// The opening angle of the film's diagonal, of a lens whose focal length is written as `50mm`.
+fn diagonal_fov_deg(object: &Object) -> Result<f64, SceneError> {
+    let written = object.string("focal_length")?;
+    let written = written.as_deref().unwrap_or("50mm").trim();
+    let digits = written.strip_suffix("mm").unwrap_or(written).trim_end();
+    match digits.parse::<f64>() {
+        Ok(length_mm) if length_mm > 0.0 && length_mm.is_finite() => {
+            let half_tangent = 0.5 * FRAME_DIAGONAL_MM / length_mm;
+            Ok(2.0 * half_tangent.atan().to_degrees())
+        }
+        _ => {
+            let what = format!(
+                "\"focal_length\" is a positive number of millimetres, such as 50mm, not \"{}\"",
+                shown(written)
+            );
+            Err(object.property_error("focal_length", what))
+        }
+    }
+}
+
 fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
-    if object.has("focal_length") {
-        let what = "\"focal_length\" is not supported yet; give <float name=\"fov\" value=\"…\"/> in degrees";
+    let fov_deg = object.float("fov")?;
+    if fov_deg.is_some() && object.has("focal_length") {
+        let what = "give either \"fov\" or \"focal_length\", not both";
         return Err(object.property_error("focal_length", what));
     }
-    let Some(fov_deg) = object.float("fov")? else {
-        let what = "the sensor has no \"fov\"; give <float name=\"fov\" value=\"…\"/> in degrees";
-        return Err(object.error(what));
-    };
     let axes = ["x", "y", "diagonal", "smaller", "larger"];
-    let axis = match object.choice("fov_axis", "x", &axes)? {
+    let axis = object.choice("fov_axis", "x", &axes)?;
+    let (fov_deg, axis) = match fov_deg {
+        Some(fov_deg) => (fov_deg, axis),
+        None => (diagonal_fov_deg(object)?, "diagonal"),
+    };
+    let axis = match axis {
         "smaller" if aspect > 1.0 => "y",
         "smaller" => "x",
         "larger" if aspect > 1.0 => "x",

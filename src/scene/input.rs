@@ -14,6 +14,8 @@ pub(super) struct Input<'a> {
     pub hash: Fnv1a,
     /// Objects that stand directly in the scene.
     in_scene: HashSet<usize>,
+    /// Objects that stand in others.
+    in_objects: HashSet<usize>,
 }
 
 /// A file that an object names.
@@ -24,12 +26,17 @@ pub(super) struct NamedFile {
 
 impl<'a> Input<'a> {
     pub fn new(tree: &'a Tree, files: &'a dyn FileSource, hash: Fnv1a) -> Self {
-        let children = tree.objects[0].children.iter();
+        let children_of = |objects: &'a [Object]| {
+            let children = objects.iter().flat_map(|o| &o.children);
+            children.map(|c| c.object).collect()
+        };
+        let (root, others) = tree.objects.split_at(1);
         Self {
             tree,
             files,
             hash,
-            in_scene: children.map(|c| c.object).collect(),
+            in_scene: children_of(root),
+            in_objects: children_of(others),
         }
     }
 
@@ -38,6 +45,11 @@ impl<'a> Input<'a> {
     pub fn scene_id(&self, object: usize) -> Option<&'a str> {
         let id = self.tree.objects[object].id.as_deref();
         id.filter(|_| self.in_scene.contains(&object))
+    }
+
+    /// Whether an object that stands in the scene is part of another object as well.
+    pub fn is_referenced(&self, object: usize) -> bool {
+        self.in_objects.contains(&object)
     }
 
     /// Reads the file of the property `filename`; `example` is how such a name ends.

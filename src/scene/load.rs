@@ -1,10 +1,11 @@
 //! From a scene file to a [`Scene`].
 
-use super::camera::{self, DEFAULT_INTEGRATOR};
+use super::camera;
 use super::data::{AreaLight, Scene};
 use super::emitter;
 use super::error::SceneError;
 use super::input::Input;
+use super::integrator::{DEFAULT_INTEGRATOR, integrator};
 use super::material::Materials;
 use super::names::Names;
 use super::reads::properties_of;
@@ -89,6 +90,15 @@ impl<'a> Loader<'a> {
         let root = &tree.objects[0];
         for child in &root.children {
             let object = &tree.objects[child.object];
+            let is_part = match object.tag {
+                "film" | "rfilter" | "sampler" => true,
+                "emitter" => object.plugin == "area",
+                _ => false,
+            };
+            if is_part && self.input.is_referenced(child.object) {
+                // It is kept here for the objects that reference it.
+                continue;
+            }
             if !matches!(object.tag, "bsdf" | "texture") && !self.met.insert(child.object) {
                 let what = format!("{} is already part of the scene", object.shown());
                 return Err(SceneError::at(&child.place, what));
@@ -102,8 +112,7 @@ impl<'a> Loader<'a> {
                             "a scene has only one integrator",
                         ));
                     }
-                    camera::no_children(tree, object)?;
-                    self.scene.integrator = camera::integrator(object)?;
+                    self.scene.integrator = integrator(tree, object, &mut self.scene.warnings)?;
                 }
                 "sensor" => {
                     let id = self.names.of(object);
@@ -179,7 +188,6 @@ impl<'a> Loader<'a> {
     fn emitter(&mut self, object: &'a Object) -> Result<(), SceneError> {
         let (input, textures) = (&mut self.input, &mut self.textures);
         match object.plugin.as_str() {
-            // It may stand in the scene for shapes that reference it; in itself it lights nothing.
             "area" => Err(object.error("an area emitter stands inside the shape that emits")),
             "point" | "directional" => {
                 let key = self.names.of(object);
@@ -201,6 +209,9 @@ impl<'a> Loader<'a> {
 
     /// Warns of what is approximated, and of what the file says and nobody asked for.
     fn warn(&mut self) {
+        self.scene
+            .warnings
+            .extend(self.tree.warnings.iter().cloned());
         self.scene.warnings.extend(self.spheres.remarks());
         for object in &self.tree.objects {
             let warnings = object.unread(properties_of(object));

@@ -6,6 +6,7 @@ pub mod differential;
 mod emitter;
 pub mod error;
 mod input;
+mod integrator;
 pub mod iors;
 mod load;
 mod material;

@@ -44,6 +44,7 @@ fn class_name(object: &Object) -> &'static str {
     match (object.tag, object.plugin.as_str()) {
         ("shape", "ply") => "PLYMesh",
         ("shape", "obj") => "OBJMesh",
+        ("shape", "serialized") => "SerializedMesh",
         ("shape", "rectangle") => "Rectangle",
         ("shape", "cube") => "Cube",
         ("shape", "sphere") => "Sphere",

@@ -5,11 +5,13 @@ use super::xml::Object;
 /// The properties that a plugin reads, for hints.
 pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
     match (object.tag, object.plugin.as_str()) {
-        ("integrator", "direct") => &["rr_depth", "hide_emitters"],
+        ("integrator", "aov" | "moment") => &["aovs"],
+        ("integrator", plugin) if plugin.starts_with("direct") => &["rr_depth", "hide_emitters"],
         ("integrator", _) => &["max_depth", "rr_depth", "hide_emitters"],
         ("sensor", _) => &[
             "fov",
             "fov_axis",
+            "focal_length",
             "to_world",
             "near_clip",
             "far_clip",
@@ -47,6 +49,14 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "ply" | "obj" => &[
             "filename",
+            "face_normals",
+            "flip_normals",
+            "flip_tex_coords",
+            "to_world",
+        ],
+        "serialized" => &[
+            "filename",
+            "shape_index",
             "face_normals",
             "flip_normals",
             "flip_tex_coords",

@@ -4,7 +4,7 @@ use super::camera::cannot_stand_inside;
 use super::data::Mesh;
 use super::error::{Place, SceneError};
 use super::input::Input;
-use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives};
+use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives, serialized};
 use super::xml::{Child, Object, Tree};
 use glam::DAffine3;
 use std::collections::BTreeMap;
@@ -72,7 +72,7 @@ pub(super) fn mesh(
 ) -> Result<(Mesh, Vec<String>), SceneError> {
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();
-    let is_file = matches!(plugin, "ply" | "obj");
+    let is_file = matches!(plugin, "ply" | "obj" | "serialized");
     let placement = Placement {
         to_world: to_world(object)?,
         flip_normals: object.boolean("flip_normals", false)?,
@@ -146,6 +146,10 @@ fn mesh_file(
     let named = input.named_file(object, &object.plugin)?;
     let parsed = match object.plugin.as_str() {
         "ply" => ply::parse(&named.bytes),
+        "serialized" => {
+            let number = object.count("shape_index", 0, 0)?;
+            serialized::parse(&named.bytes, number)
+        }
         _ => {
             let reads = obj::Reads {
                 normals: !face_normals,

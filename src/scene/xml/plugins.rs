@@ -14,6 +14,14 @@ const KNOWN: &[(&str, &[&str])] = &[
             "prb_basic",
             "prb_projective",
             "prb_reparam",
+            "prbvolpath",
+            "direct_projective",
+            "direct_reparam",
+            "volpath",
+            "volpathmis",
+            "ptracer",
+            "aov",
+            "moment",
         ],
     ),
     ("sensor", &["perspective"]),
@@ -29,7 +37,10 @@ const KNOWN: &[(&str, &[&str])] = &[
             "ldsampler",
         ],
     ),
-    ("shape", &["ply", "obj", "rectangle", "cube", "sphere"]),
+    (
+        "shape",
+        &["ply", "obj", "serialized", "rectangle", "cube", "sphere"],
+    ),
     (
         "bsdf",
         &[
@@ -88,9 +99,8 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let Some((_, supported)) = KNOWN.iter().find(|k| k.0 == tag) else {
         return Err(format!("unknown element <{}>", shown(tag)));
     };
-    // The many variants of path replay backpropagation differ in gradients only, not in the image;
-    // the volumetric one does not.
-    let any_prb = tag == "integrator" && plugin.starts_with("prb") && !plugin.starts_with("prbvol");
+    // The many variants of path replay backpropagation differ in gradients only, not in the image.
+    let any_prb = tag == "integrator" && plugin.starts_with("prb");
     if supported.contains(&plugin) || any_prb {
         return Ok(());
     }

@@ -17,6 +17,8 @@ pub(in crate::scene) struct Tree {
     pub objects: Vec<Object>,
     /// Folders of `<path>` elements, the latest first.
     pub search_folders: Vec<PathBuf>,
+    /// Of what stands in the file.
+    pub warnings: Vec<String>,
     /// The folder of the scene file.
     pub scene_folder: PathBuf,
 }

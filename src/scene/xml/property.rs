@@ -82,6 +82,16 @@ impl Reader<'_> {
             let operation = transform::operation(tag, &|name| a.get(name));
             let operation =
                 operation.map_err(|e| SceneError::at(&place, format!("<{tag}>: {e}")))?;
+            if tag == "rotate"
+                && let Ok(axis) = transform::xyz(&|name| a.get(name), 0.0)
+                && !transform::is_unit(axis)
+            {
+                let length = axis.length();
+                let what = format!(
+                    "{place}: the rotation axis has the length {length}, not 1, so that this is no mere rotation (Mitsuba does the same)"
+                );
+                self.tree.warnings.push(what);
+            }
             whole = operation * whole;
             if !whole.as_affine3a().is_finite() {
                 return Err(SceneError::at(&place, "the transform is no longer finite"));

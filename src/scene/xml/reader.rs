@@ -36,6 +36,7 @@ pub(in crate::scene) fn read_tree(
         tree: Tree {
             objects: Vec::new(),
             search_folders: Vec::new(),
+            warnings: Vec::new(),
             scene_folder: folder_of(path),
         },
         ids: HashMap::new(),

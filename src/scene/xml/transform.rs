@@ -3,6 +3,9 @@
 use super::values::{number, numbers, tokens};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
+/// Axes of rotations are as good as unit vectors if their lengths differ from one by less.
+const UNIT: f64 = 1e-3;
+
 /// One operation, from its tag and attributes (already checked to be the known ones). The whole
 /// transform is the product with later operations on the left. Errors are sentences.
 pub(super) fn operation(
@@ -15,15 +18,34 @@ pub(super) fn operation(
         "rotate" => {
             let axis = xyz(attribute, 0.0)?;
             let angle_deg = number(&attribute("angle").unwrap_or_default())?;
-            let axis = axis
-                .try_normalize()
-                .ok_or("the rotation axis is zero; give x, y, z or value=\"x, y, z\"")?;
-            Ok(DAffine3::from_axis_angle(axis, angle_deg.to_radians()))
+            if axis == DVec3::ZERO {
+                let what = "the rotation axis is zero; give x, y, z or value=\"x, y, z\"";
+                return Err(what.to_string());
+            }
+            Ok(rotation(axis, angle_deg.to_radians()))
         }
         "lookat" => lookat(attribute),
         "matrix" => matrix(&attribute("value").unwrap_or_default()),
         _ => Err(format!("<{tag}> is no transform operation")),
     }
+}
+
+/// Whether an axis has about unit length.
+pub(super) fn is_unit(axis: DVec3) -> bool {
+    (axis.length() - 1.0).abs() < UNIT
+}
+
+/// cos θ I + sin θ [a]× + (1 − cos θ) a aᵀ: Rodrigues' formula, which turns about unit vectors. Of
+/// others Mitsuba makes what it comes to, and so do we; but what was rounded in a file is meant to
+/// be one.
+fn rotation(axis: DVec3, angle_rad: f64) -> DAffine3 {
+    if is_unit(axis) {
+        return DAffine3::from_axis_angle(axis.normalize(), angle_rad);
+    }
+    let (sin, cos) = angle_rad.sin_cos();
+    let columns = [DVec3::X, DVec3::Y, DVec3::Z]
+        .map(|e| e * cos + axis.cross(e) * sin + axis * (axis.dot(e) * (1.0 - cos)));
+    DAffine3::from_mat3(DMat3::from_cols(columns[0], columns[1], columns[2]))
 }
 
 /// `value` (one or three numbers) or any of `x`, `y`, `z`.

@@ -1,6 +1,9 @@
 //! Mesh files.
 
 use super::{Case, mesh, ply};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::io::Write;
 
 fn binary_ply(vertices: usize, faces: usize, payload: &[u8]) -> Vec<u8> {
     let mut bytes = format!(
@@ -25,11 +28,35 @@ fn binary_triangle(corners: [i32; 3]) -> Vec<u8> {
     payload
 }
 
+/// A mesh of three vertices and one face with these corners, as Mitsuba writes it, but the last so
+/// many bytes of its stream; and a list of one mesh.
+fn serialized(corners: [u32; 3], missing: usize) -> Vec<u8> {
+    let mut stream = 0x1000u32.to_le_bytes().to_vec();
+    stream.push(0);
+    stream.extend([3u64, 1].into_iter().flat_map(u64::to_le_bytes));
+    let positions = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    stream.extend(positions.into_iter().flat_map(f32::to_le_bytes));
+    stream.extend(corners.into_iter().flat_map(u32::to_le_bytes));
+    stream.truncate(stream.len() - missing);
+    let mut zlib = ZlibEncoder::new(vec![0x1c, 4, 4, 0], Compression::default());
+    zlib.write_all(&stream).expect("memory");
+    let mut bytes = zlib.finish().expect("memory");
+    bytes.extend(0u64.to_le_bytes());
+    bytes.extend(1u32.to_le_bytes());
+    bytes
+}
+
 // One line a case, however long.
 #[rustfmt::skip]
 pub fn cases() -> Vec<Case> {
     let good = "0 0 0\n1 0 0\n0 1 0\n";
     vec![
+        mesh("empty serialized", "m.serialized", "", &["m.serialized", "no serialized mesh"]),
+        mesh("serialized of version 2", "m.serialized", [0x1c, 4, 2, 0], &["version 2", "3 or 4"]),
+        mesh("serialized without a stream", "m.serialized", [0x1c, 4, 4, 0], &["m.serialized", "truncated"]),
+        mesh("serialized of noise", "m.serialized", [0x1c, 4, 4, 0, 1, 2, 3, 4, 5, 6, 7, 8], &["m.serialized", "broken"]),
+        mesh("serialized, cut", "m.serialized", serialized([0, 1, 2], 1), &["m.serialized", "truncated"]),
+        mesh("serialized, corner", "m.serialized", serialized([0, 1, 3], 0), &["m.serialized, face 0", "vertex 3", "has 3"]),
         mesh("empty ply", "m.ply", "", &["m.ply", "s.xml:2:1"]),
         mesh("not a ply", "m.ply", "hello\n", &["m.ply:1", "PLY header"]),
         mesh("header line", "m.ply", "ply\nformat ascii 1.0\nelemnt vertex 3\nend_header\n", &["m.ply:3"]),

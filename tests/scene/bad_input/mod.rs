@@ -67,7 +67,7 @@ fn mesh(
     bytes: impl Into<Vec<u8>>,
     says: &'static [&'static str],
 ) -> Case {
-    let plugin = if file.ends_with(".ply") { "ply" } else { "obj" };
+    let (_, plugin) = file.rsplit_once('.').expect("an extension");
     let shape =
         format!("<shape type=\"{plugin}\"><string name=\"filename\" value=\"{file}\"/></shape>");
     let mut case = inside(name, &shape, says);

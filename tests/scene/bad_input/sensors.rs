@@ -15,8 +15,9 @@ fn in_sensor(name: &'static str, inside: &str, says: &'static [&'static str]) ->
 pub fn cases() -> Vec<Case> {
     let fov = "<float name=\"fov\" value=\"40\"/>";
     vec![
-        in_sensor("no fov", "", &["s.xml:1:24", "\"fov\""]),
-        in_sensor("focal length", "<string name=\"focal_length\" value=\"50mm\"/>", &["s.xml:2:1", "not supported yet"]),
+        in_sensor("focal length without length", "<string name=\"focal_length\" value=\"wide\"/>", &["s.xml:2:1", "50mm", "\"wide\""]),
+        in_sensor("focal length of zero", "<string name=\"focal_length\" value=\"0mm\"/>", &["s.xml:2:1", "positive"]),
+        in_sensor("fov and focal length", &format!("{fov}\n<string name=\"focal_length\" value=\"50mm\"/>"), &["s.xml:3:1", "not both"]),
         in_sensor("fov of 180", "<float name=\"fov\" value=\"180\"/>", &["s.xml:2:1", "between 0 and 180"]),
         in_sensor("fov axis", &format!("{fov}\n<string name=\"fov_axis\" value=\"diag\"/>"), &["s.xml:3:1", "\"diagonal\""]),
         in_sensor("scaled camera", &format!("{fov}\n<transform name=\"to_world\"><scale value=\"2\"/></transform>"), &["s.xml:3:1", "scale"]),

@@ -44,12 +44,60 @@ fn integrators_have_their_own_depths() {
     let depth = |integrator: &str| scene(integrator).integrator.max_depth;
     assert_eq!(depth("<integrator type=\"prb\"/>"), 6);
     assert_eq!(depth("<integrator type=\"direct\"/>"), 2);
+    assert_eq!(depth("<integrator type=\"direct_projective\"/>"), 2);
+    assert_eq!(depth("<integrator type=\"prbvolpath\"/>"), 6);
+    assert_eq!(depth("<integrator type=\"ptracer\"/>"), u32::MAX);
     assert_eq!(
         depth(
             "<integrator type=\"prb_reparam\"><integer name=\"max_depth\" value=\"3\"/></integrator>"
         ),
         3
     );
+}
+
+/// Integrators around others say nothing of the image, and those of media are as good as `path`.
+#[test]
+fn the_innermost_integrator_counts() {
+    let inner =
+        "<integrator type=\"volpath\"><integer name=\"max_depth\" value=\"7\"/></integrator>";
+    let aov = "<string name=\"aovs\" value=\"dd.y:depth\"/>";
+    let scene = scene(&format!(
+        "<integrator type=\"moment\"><integrator type=\"aov\">{aov}{inner}</integrator></integrator>"
+    ));
+    assert_eq!(scene.integrator.max_depth, 7);
+    let said = |warning: &str| scene.warnings.iter().any(|w| w.contains(warning));
+    assert_eq!(scene.warnings.len(), 3, "{:?}", scene.warnings);
+    assert!(said("volpath") && said("moment") && said("aov"));
+}
+
+/// As files have them that name everything first.
+#[test]
+fn parts_may_stand_in_the_scene() {
+    let scene = with_files(
+        "<sampler type=\"independent\" id=\"many\"><integer name=\"sample_count\" value=\"99\"/></sampler>\
+         <rfilter type=\"box\" id=\"filter\"/><film type=\"hdrfilm\" id=\"film\"><ref id=\"filter\"/></film>\
+         <emitter type=\"area\" id=\"light\"><rgb name=\"radiance\" value=\"2\"/></emitter>\
+         <sensor type=\"perspective\"><ref id=\"many\"/><ref id=\"film\"/></sensor>\
+         <shape type=\"cube\"><ref id=\"light\"/></shape>",
+        Memory::new(),
+        &[],
+    );
+    assert_eq!(scene.sensors[0].sample_count, 99);
+    assert_eq!(scene.sensors[0].film.filter, Filter::Box { radius: 0.5 });
+    assert_eq!(scene.constant(scene.area_lights[0].radiance), [2.0; 3]);
+}
+
+/// Focal lengths are those of a frame of 36 by 24 millimetres, and 50 mm if nothing is said.
+#[test]
+fn lenses_have_focal_lengths() {
+    let film = "<film type=\"hdrfilm\"><integer name=\"width\" value=\"300\"/><integer name=\"height\" value=\"200\"/></film>";
+    let of_frame = |length_mm: f32| 2.0 * (18.0 / length_mm).atan().to_degrees();
+    let pinhole = "<float name=\"focus_distance\" value=\"3\"/>";
+    assert!((x_fov_deg(&format!("{film}{pinhole}")) - of_frame(50.0)).abs() < 1e-4);
+    for written in ["35mm", "35", " 35 mm"] {
+        let lens = format!("<string name=\"focal_length\" value=\"{written}\"/>");
+        assert!((x_fov_deg(&format!("{lens}{film}")) - of_frame(35.0)).abs() < 1e-4);
+    }
 }
 
 #[test]

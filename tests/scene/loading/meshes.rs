@@ -1,7 +1,10 @@
 //! Shapes, transformed or from files.
 
 use super::{SENSOR, face_normal, scene, with_files};
-use glam::Vec3;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use glam::{Vec2, Vec3};
+use std::io::Write;
 use warpath::scene::Normals;
 use warpath::scene::source::Memory;
 
@@ -16,6 +19,20 @@ fn transforms_apply_in_order() {
         (corner - Vec3::new(7.0, 2.0, 0.0)).length() < 1e-5,
         "{corner}"
     );
+}
+
+/// Rodrigues' formula without a unit vector, as Mitsuba 3.9.1 has it (its `mi.traverse`).
+#[test]
+fn rotation_axes_are_taken_as_they_are() {
+    let scene = scene(
+        "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"1\"/>\
+         <rotate x=\"1\" y=\"1\" angle=\"40\"/></transform></shape>",
+    );
+    let [a, _, _, b] = [0, 1, 2, 3].map(|i| scene.meshes[0].positions[i]);
+    let middle = 0.5 * (a + b);
+    let expected = Vec3::new(0.642_787_6, -0.642_787_6, 0.766_044_4);
+    assert!((middle - expected).length() < 1e-5, "{middle}");
+    assert!(scene.warnings[0].contains("1.414"), "{:?}", scene.warnings);
 }
 
 #[test]
@@ -153,4 +170,62 @@ fn ply_encodings_agree_and_degenerate_faces_are_dropped_with_one_remark() {
         "{:?}",
         scene.warnings
     );
+}
+
+/// A triangle in a zlib stream: number `z` in all its positions' third places.
+fn stream(version: u16, z: f64, is_double: bool) -> Vec<u8> {
+    let flags: u32 = 0x0001 | 0x0002 | 0x0008 | if is_double { 0x2000 } else { 0x1000 };
+    let mut bytes = flags.to_le_bytes().to_vec();
+    if version >= 4 {
+        bytes.extend(b"name\0");
+    }
+    bytes.extend([3u64, 1].into_iter().flat_map(u64::to_le_bytes));
+    let positions = [0.0, 0.0, z, 1.0, 0.0, z, 0.0, 1.0, z];
+    let normals = [0.6, 0.0, 0.8].repeat(3);
+    let (uvs, colours) = ([0.0, 0.25, 1.0, 0.25, 0.0, 0.5], [0.5; 9]);
+    for number in [&positions[..], &normals, &uvs, &colours].concat() {
+        match is_double {
+            true => bytes.extend(number.to_le_bytes()),
+            false => bytes.extend((number as f32).to_le_bytes()),
+        }
+    }
+    bytes.extend([0u32, 1, 2].into_iter().flat_map(u32::to_le_bytes));
+    let header = [0x041Cu16, version].map(u16::to_le_bytes).concat();
+    let mut zlib = ZlibEncoder::new(header, Compression::default());
+    zlib.write_all(&bytes).expect("memory");
+    zlib.finish().expect("memory")
+}
+
+/// Both versions, both precisions, each with two meshes, of which `shape_index` picks one.
+#[test]
+fn serialized_files_hold_several_meshes() {
+    for (version, is_double) in [(3, false), (3, true), (4, false), (4, true)] {
+        let mut bytes = stream(version, 1.0, is_double);
+        let second = bytes.len() as u64;
+        bytes.extend(stream(version, 2.0, is_double));
+        for offset in [0, second] {
+            let size = if version >= 4 { 8 } else { 4 };
+            bytes.extend(&offset.to_le_bytes()[..size]);
+        }
+        bytes.extend(2u32.to_le_bytes());
+        let shape = |number: &str| {
+            format!(
+                "<shape type=\"serialized\"><string name=\"filename\" value=\"m.serialized\"/>{number}\
+                 <bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"/></bsdf></shape>"
+            )
+        };
+        let second = shape("<integer name=\"shape_index\" value=\"1\"/>");
+        let both = format!("{}{second}{SENSOR}", shape(""));
+        let scene = with_files(&both, Memory::new().with("s/m.serialized", bytes), &[]);
+        for (mesh, z) in scene.meshes.iter().zip([1.0, 2.0]) {
+            assert_eq!(mesh.positions[1], Vec3::new(1.0, 0.0, z));
+            assert_eq!(mesh.uvs[2], Vec2::new(0.0, 0.5));
+            assert_eq!(mesh.triangles, [[0, 1, 2]]);
+            let Normals::Given(normals) = &mesh.normals else {
+                panic!("the file has normals");
+            };
+            assert!((normals[0] - Vec3::new(0.6, 0.0, 0.8)).length() < 1e-6);
+        }
+        assert_eq!(scene.meshes[1].id, "SerializedMesh_1");
+    }
 }
