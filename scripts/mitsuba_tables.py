@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes src/scene/metals.rs and src/scene/iors.rs: the named materials of Mitsuba 3, as it resolves them itself.
+"""Writes src/scene/metals.rs and src/scene/iors.rs, the named materials of Mitsuba 3 as it resolves them itself, and
+src/scene/observer.rs, how its eye sees.
 
 Needs `pip install mitsuba numpy` (made with Mitsuba 3.9.1, variant scalar_rgb). Usage, from anywhere:
 
@@ -49,6 +50,7 @@ def ior_names():
 
 def main():
     version = f"Mitsuba {mi.__version__}, variant {mi.variant()}"
+    observer(version)
     lines = [
         "//! Complex indices of refraction of named conductors in linear sRGB, as Mitsuba resolves `material` in its rgb variants.",
         "//!",
@@ -74,6 +76,26 @@ def main():
         inside = mi.traverse(mi.load_dict({"type": "dielectric", "int_ior": name, "ext_ior": 1.0}))
         lines.append(f'    ("{name}", {number(inside["eta"])}),')
     (SCENE / "iors.rs").write_text("\n".join(lines + ["];"]) + "\n")
+
+
+def observer(version):
+    """The CIE 1931 observer and the illuminant D65 at steps of 5 nm."""
+    lines = [
+        "//! The CIE 1931 2° standard observer and the illuminant D65 (CIE 015), from 360 to 830 nanometres at",
+        "//! steps of 5.",
+        "//!",
+        f"//! Written by `scripts/mitsuba_tables.py` with {version}. D65 is",
+        "//! one at 560 nanometres.",
+        "",
+        "/// x̄, ȳ, z̄, D65.",
+        "#[rustfmt::skip]",
+        "pub const OBSERVER: [[f32; 4]; 95] = [",
+    ]
+    d65 = lambda nm: float(np.ravel(mi.cie_d65(float(nm)))[0])
+    for nm in range(360, 831, 5):
+        row = [*np.ravel(mi.cie1931_xyz(float(nm))), d65(nm) / d65(560)]
+        lines.append("    [" + ", ".join(number(x) for x in row) + "],")
+    (SCENE / "observer.rs").write_text("\n".join([*lines, "];", ""]))
 
 
 if __name__ == "__main__":

@@ -107,7 +107,9 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let hint = nearest_hint(plugin, supported.iter().copied());
     let reason = match tag {
         "medium" | "phase" | "volume" => " (volumes are out of scope)",
-        "spectrum" => " (spectra are out of scope: use <rgb>, <srgb> or <spectrum value=\"0.5\"/>)",
+        "spectrum" => {
+            " (only <spectrum value=\"…\"/> and <spectrum filename=\"…\"/> are, and <rgb>)"
+        }
         _ => "",
     };
     Err(format!(

@@ -2,6 +2,7 @@
 
 use crate::scene::error::{Place, SceneError};
 use crate::scene::nearest::{nearest, nearest_hint, shown};
+use crate::scene::spectrum::{Of, Spectrum};
 use glam::{DAffine3, DVec3};
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -68,6 +69,8 @@ pub(in crate::scene) enum Value {
     Rgb([f64; 3]),
     /// A `spectrum` of one value at all wavelengths.
     Grey(f64),
+    /// A `spectrum` by wavelength.
+    Spectrum(Spectrum),
     Vector(DVec3),
     Transform(DAffine3),
 }
@@ -80,7 +83,7 @@ impl Value {
             Value::Float(_) => "float",
             Value::String(_) => "string",
             Value::Rgb(_) => "rgb",
-            Value::Grey(_) => "spectrum",
+            Value::Grey(_) | Value::Spectrum(_) => "spectrum",
             Value::Vector(_) => "point or vector",
             Value::Transform(_) => "transform",
         }
@@ -238,6 +241,11 @@ impl Object {
     pub fn colour(&self, name: &str) -> Result<Option<[f64; 3]>, SceneError> {
         self.get(name, "rgb", |v| match v {
             Value::Rgb(c) => Some(*c),
+            Value::Spectrum(s) => Some(s.srgb(match name {
+                _ if self.tag == "emitter" => Of::Emission,
+                "eta" | "k" => Of::Index,
+                _ => Of::Reflectance,
+            })),
             Value::Grey(g) if self.tag == "emitter" => Some(EQUAL_ENERGY_SRGB.map(|c| c * g)),
             Value::Grey(g) | Value::Float(g) => Some([*g; 3]),
             Value::Integer(i) => Some([*i as f64; 3]),

@@ -1,11 +1,13 @@
 //! Properties and transforms of an object, as their elements give them.
 
-use super::file::{Attributes, File, no_elements_inside, unknown_tag};
+use super::file::{Attributes, File, no_elements_inside, unknown_tag, utf8};
 use super::properties::Value;
 use super::reader::Reader;
 use super::{transform, values};
-use crate::scene::error::SceneError;
+use crate::scene::error::{Place, SceneError};
 use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::source::read_file;
+use crate::scene::spectrum::Spectrum;
 use glam::DAffine3;
 use roxmltree::Node;
 
@@ -47,15 +49,31 @@ impl Reader<'_> {
             "rgb" => values::rgb(&text).map(Value::Rgb),
             "srgb" => values::srgb(&text).map(Value::Rgb),
             "spectrum" => match a.get("filename") {
-                Some(_) => Err("spectra from files are not supported; use <rgb>".to_string()),
-                None => values::number(&text).map(Value::Grey).map_err(|e| {
-                    format!("{e}; only a plain number (grey) is supported here, or use <rgb>")
-                }),
+                Some(name) => Ok(Value::Spectrum(self.spectrum_file(file, &place, &name)?)),
+                None if text.contains(':') => values::spectrum(&text).map(Value::Spectrum),
+                None => values::number(&text).map(Value::Grey),
             },
             _ => transform::xyz(&|name| a.get(name), 0.0).map(Value::Vector),
         };
         let value = value.map_err(|e| SceneError::at(&place, format!("<{tag}>: {e}")))?;
         Ok((a.text("name"), value))
+    }
+
+    /// Reads a file of wavelengths and values.
+    fn spectrum_file(
+        &mut self,
+        file: &File,
+        place: &Place,
+        name: &str,
+    ) -> Result<Spectrum, SceneError> {
+        let found = self.tree.find_file(self.files, &file.folder, name);
+        let path = found.map_err(|what| SceneError::at(place, what))?;
+        let bytes = read_file(self.files, &path)?;
+        self.hash.write(&bytes);
+        Spectrum::from_lines(&utf8(&path, bytes)?).map_err(|what| {
+            let what = format!("{}: {what}", path.display());
+            SceneError::at(place, what)
+        })
     }
 
     fn transform(&mut self, file: &File, node: Node) -> Result<DAffine3, SceneError> {

@@ -53,7 +53,7 @@ pub(in crate::scene) fn read_tree(
 }
 
 pub(super) struct Reader<'a> {
-    files: &'a dyn FileSource,
+    pub(super) files: &'a dyn FileSource,
     pub(super) hash: &'a mut Fnv1a,
     pub(super) substitutions: Substitutions,
     pub(super) tree: Tree,

@@ -1,6 +1,7 @@
 //! Numbers, flags and colours as they are written in attributes. Errors are sentences.
 
 use crate::scene::nearest::shown;
+use crate::scene::spectrum::Spectrum;
 
 /// Splits at commas and white space.
 pub(super) fn tokens(text: &str) -> Vec<&str> {
@@ -55,6 +56,19 @@ pub(super) fn boolean(text: &str) -> Result<bool, String> {
             shown(text)
         ))
     }
+}
+
+/// `wavelength:value` pairs, in nanometres.
+pub(super) fn spectrum(text: &str) -> Result<Spectrum, String> {
+    let pair = |word: &str| match word.split_once(':') {
+        Some((nm, value)) => Ok([number(nm)?, number(value)?]),
+        None => {
+            let what = format!("\"{}\" is no pair of wavelength:value", shown(word));
+            Err(what)
+        }
+    };
+    let pairs: Result<Vec<_>, String> = tokens(text).into_iter().map(pair).collect();
+    Spectrum::new(pairs?)
 }
 
 /// One or three linear values.

@@ -1,7 +1,8 @@
 //! Materials and who shares them.
 
-use super::{colour, scene};
+use super::{SENSOR, colour, scene, with_files};
 use glam::Vec2;
+use warpath::scene::source::Memory;
 use warpath::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
 
 #[test]
@@ -23,6 +24,28 @@ fn references_share_materials_and_colours_have_many_spellings() {
         ("grey", [0.25; 3])
     );
     assert_eq!(colour(&scene, 2), [0.75; 3]);
+}
+
+/// Colours of spectra are those of Mitsuba 3.9.1 (its `mi.traverse`).
+#[test]
+fn spectra_are_colours() {
+    let inside = "<shape type=\"sphere\"><bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"400:.1,700:.5\"/></bsdf></shape>\
+                  <shape type=\"sphere\"><bsdf type=\"diffuse\"><spectrum name=\"reflectance\" filename=\"x.spd\"/></bsdf></shape>\
+                  <shape type=\"sphere\"><emitter type=\"area\"><spectrum name=\"radiance\" value=\"400:.1 700:.5\"/></emitter></shape>";
+    let files = Memory::new().with("s/x.spd", "# nm\n400 0.1\n700 0.5\n");
+    let scene = with_files(&format!("{inside}{SENSOR}"), files, &[]);
+    let reflectances = [0, 1].map(|mesh: usize| colour(&scene, scene.meshes[mesh].material));
+    let emission = scene.constant(scene.area_lights[0].radiance);
+    let expected = [
+        (reflectances[0], [0.421_193_5, 0.290_557_86, 0.153_907_73]),
+        (reflectances[1], [0.421_193_5, 0.290_557_86, 0.153_907_73]),
+        (emission, [0.496_092_1, 0.276_840_27, 0.135_822_86]),
+    ];
+    for (ours, mitsubas) in expected {
+        for (a, b) in ours.into_iter().zip(mitsubas) {
+            assert!((a - b).abs() < 1e-6, "{ours:?}, not {mitsubas:?}");
+        }
+    }
 }
 
 /// The bsdf `<bsdf type="…">inside</bsdf>` of a scene.
