@@ -52,7 +52,7 @@ struct Loader<'a> {
     materials: Materials,
     textures: Textures,
     names: Names,
-    spheres: shape::Spheres,
+    rounds: shape::RoundShapes,
     has_integrator: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
     met: HashSet<usize>,
@@ -79,7 +79,7 @@ impl<'a> Loader<'a> {
             materials: Materials::default(),
             textures: Textures::default(),
             names: Names::new(tree.objects.iter().filter_map(|o| o.id.as_deref())),
-            spheres: shape::Spheres::default(),
+            rounds: shape::RoundShapes::default(),
             has_integrator: false,
             met: HashSet::new(),
         }
@@ -175,7 +175,7 @@ impl<'a> Loader<'a> {
         }
         let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
         let (mut mesh, mut remarks) =
-            shape::mesh(&mut self.input, object, is_textured, &mut self.spheres)?;
+            shape::mesh(&mut self.input, object, is_textured, &mut self.rounds)?;
         mesh.id = id;
         mesh.material = material;
         mesh.area_light = area_light;
@@ -212,7 +212,7 @@ impl<'a> Loader<'a> {
         self.scene
             .warnings
             .extend(self.tree.warnings.iter().cloned());
-        self.scene.warnings.extend(self.spheres.remarks());
+        self.scene.warnings.extend(self.rounds.remarks());
         for object in &self.tree.objects {
             let warnings = object.unread(properties_of(object));
             self.scene.warnings.extend(warnings);

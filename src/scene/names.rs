@@ -48,6 +48,8 @@ fn class_name(object: &Object) -> &'static str {
         ("shape", "rectangle") => "Rectangle",
         ("shape", "cube") => "Cube",
         ("shape", "sphere") => "Sphere",
+        ("shape", "disk") => "Disk",
+        ("shape", "cylinder") => "Cylinder",
         ("sensor", _) => "PerspectiveCamera",
         ("emitter", "envmap") => "EnvironmentMapEmitter",
         ("emitter", "point") => "PointLight",

@@ -4,9 +4,9 @@ use super::camera::cannot_stand_inside;
 use super::data::Mesh;
 use super::error::{Place, SceneError};
 use super::input::Input;
-use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives, serialized};
+use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives, round, serialized};
 use super::xml::{Child, Object, Tree};
-use glam::DAffine3;
+use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 
 /// What hangs on a shape.
@@ -34,25 +34,29 @@ pub(super) fn parts<'a>(tree: &Tree, object: &'a Object) -> Result<Parts<'a>, Sc
     Ok(Parts { bsdf, emitter })
 }
 
-/// How the spheres of a scene were made into meshes: the first of each way, how many, and their
-/// triangles.
+/// How the round shapes of a scene were made into meshes: the first of each kind and way, how many,
+/// and their triangles.
 #[derive(Default)]
-pub(super) struct Spheres(BTreeMap<String, (Place, usize, usize)>);
+pub(super) struct RoundShapes(BTreeMap<(String, String), (Place, usize, usize)>);
 
-impl Spheres {
-    fn add(&mut self, how: String, place: &Place, triangles: usize) {
-        let (_, count, sum) = self.0.entry(how).or_insert((place.clone(), 0, 0));
+impl RoundShapes {
+    fn add(&mut self, kind: &str, how: String, place: &Place, triangles: usize) {
+        let entry = self.0.entry((kind.to_string(), how));
+        let (_, count, sum) = entry.or_insert((place.clone(), 0, 0));
         *count += 1;
         *sum += triangles;
     }
 
     /// One for each way.
     pub fn remarks(&self) -> Vec<String> {
-        let remark = |(how, (place, count, triangles)): (&String, &(Place, usize, usize))| {
+        let remark = |((kind, how), (place, count, triangles)): (
+            &(String, String),
+            &(Place, usize, usize),
+        )| {
             match count {
-                1 => format!("{place}: the sphere is tessellated: {how}, {triangles} triangles"),
+                1 => format!("{place}: the {kind} is tessellated: {how}, {triangles} triangles"),
                 _ => format!(
-                    "{place}: this sphere and {} more are tessellated, each {how}: {triangles} triangles in all. If these take too \
+                    "{place}: this {kind} and {} more are tessellated, each {how}: {triangles} triangles in all. If these take too \
                  much time or memory, put coarser meshes of your own (ply, obj) in their place",
                     count - 1
                 ),
@@ -68,7 +72,7 @@ pub(super) fn mesh(
     input: &mut Input,
     object: &Object,
     is_textured: bool,
-    spheres: &mut Spheres,
+    rounds: &mut RoundShapes,
 ) -> Result<(Mesh, Vec<String>), SceneError> {
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();
@@ -79,7 +83,7 @@ pub(super) fn mesh(
         face_normals: object.boolean("face_normals", false)?,
         // Mitsuba's defaults: v counts downwards in most OBJ files.
         flip_tex_coords: is_file && object.boolean("flip_tex_coords", plugin == "obj")?,
-        smooth: !matches!(plugin, "rectangle" | "cube"),
+        smooth: !matches!(plugin, "rectangle" | "cube" | "disk"),
     };
     let (raw, file) = match plugin {
         "rectangle" => (primitives::rectangle(), None),
@@ -87,7 +91,17 @@ pub(super) fn mesh(
         "cube" => (primitives::cube(), None),
         "sphere" => {
             let (mesh, how) = sphere(is_textured);
-            spheres.add(how, &object.place, mesh.triangles.len());
+            rounds.add(plugin, how, &object.place, mesh.triangles.len());
+            (mesh, None)
+        }
+        "disk" | "cylinder" => {
+            let mesh = if plugin == "disk" {
+                round::disk()
+            } else {
+                round::cylinder()
+            };
+            let how = format!("as {} sectors", round::SECTORS);
+            rounds.add(plugin, how, &object.place, mesh.triangles.len());
             (mesh, None)
         }
         _ => {
@@ -124,17 +138,32 @@ fn sphere(is_textured: bool) -> (RawMesh, String) {
     (mesh, how)
 }
 
-/// `to_world`, for a sphere after its radius and centre.
+/// `to_world`, for spheres and cylinders after what says where they are.
 fn to_world(object: &Object) -> Result<DAffine3, SceneError> {
     let to_world = object.transform("to_world")?;
-    if object.plugin != "sphere" {
-        return Ok(to_world);
+    match object.plugin.as_str() {
+        "sphere" => {
+            let center = object.vector("center")?.unwrap_or_default();
+            let radius = DVec3::splat(object.positive("radius", 1.0)?);
+            let place = DAffine3::from_translation(center);
+            Ok(to_world * place * DAffine3::from_scale(radius))
+        }
+        "cylinder" => {
+            let from = object.vector("p0")?.unwrap_or_default();
+            let along = object.vector("p1")?.unwrap_or(DVec3::Z) - from;
+            let radius = object.positive("radius", 1.0)?;
+            let Some(axis) = along.try_normalize() else {
+                let what =
+                    "\"p0\" and \"p1\" are the same point: a cylinder goes from one to the other";
+                return Err(object.property_error("p1", what));
+            };
+            // The frame that Mitsuba takes, by which texture coordinates turn (Duff et al. 2017).
+            let (s, t) = axis.any_orthonormal_pair();
+            let axes = DMat3::from_cols(s * radius, t * radius, along);
+            Ok(to_world * DAffine3::from_mat3_translation(axes, from))
+        }
+        _ => Ok(to_world),
     }
-    let center = object.vector("center")?.unwrap_or_default();
-    let radius = object.positive("radius", 1.0)?;
-    Ok(to_world
-        * DAffine3::from_translation(center)
-        * DAffine3::from_scale(glam::DVec3::splat(radius)))
 }
 
 fn mesh_file(

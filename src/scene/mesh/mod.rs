@@ -5,6 +5,7 @@ pub mod obj;
 pub mod ply;
 mod ply_record;
 pub(super) mod primitives;
+pub(super) mod round;
 pub mod serialized;
 
 pub(super) use finish::{Placement, finish};

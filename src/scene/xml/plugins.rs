@@ -39,7 +39,16 @@ const KNOWN: &[(&str, &[&str])] = &[
     ),
     (
         "shape",
-        &["ply", "obj", "serialized", "rectangle", "cube", "sphere"],
+        &[
+            "ply",
+            "obj",
+            "serialized",
+            "rectangle",
+            "cube",
+            "sphere",
+            "disk",
+            "cylinder",
+        ],
     ),
     (
         "bsdf",
@@ -108,7 +117,7 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let reason = match tag {
         "medium" | "phase" | "volume" => " (volumes are out of scope)",
         "spectrum" => {
-            " (only <spectrum value=\"…\"/> and <spectrum filename=\"…\"/> are, and <rgb>)"
+            " (spectra are <spectrum value=\"400:0.1, 700:0.5\"/>, <spectrum filename=\"…\"/> or <rgb>)"
         }
         _ => "",
     };

@@ -17,7 +17,7 @@ const SCENES: [(&str, &str); 15] = [
         r#"s.xml:2:1: <shape type="spere"> is not supported; the nearest known name is "sphere""#,
     ),
     (
-        r#"<shape type="rectangle"><bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1, 700:0.2"/></bsdf></shape>"#,
+        r#"<shape type="rectangle"><bsdf type="diffuse"><spectrum name="reflectance" value="400:0.1"/></bsdf></shape>"#,
         "s.xml:2:46: <spectrum>",
     ),
     (

@@ -63,6 +63,7 @@ pub fn cases() -> Vec<Case> {
         inside("number too large", "<shape type=\"sphere\"><float name=\"radius\" value=\"1e39\"/></shape>", &["s.xml:2:22", "1e39"]),
         inside("not a number", "<shape type=\"sphere\"><float name=\"radius\" value=\"big\"/></shape>", &["s.xml:2:22", "\"big\" is not a number"]),
         inside("NaN", "<shape type=\"sphere\"><float name=\"radius\" value=\"nan\"/></shape>", &["s.xml:2:22", "finite"]),
+        inside("cylinder of no length", "<shape type=\"cylinder\"><point name=\"p1\" value=\"0 0 0\"/></shape>", &["s.xml:2:24", "same point"]),
         inside("negative radius", "<shape type=\"sphere\"><float name=\"radius\" value=\"-1\"/></shape>", &["s.xml:2:22", "greater than zero"]),
         inside("point without coordinates", "<shape type=\"sphere\"><point name=\"center\" value=\"1 2\"/></shape>", &["s.xml:2:22", "one or three"]),
         inside("unknown operation", "<shape type=\"cube\"><transform name=\"to_world\">\n<rotat x=\"1\" angle=\"3\"/></transform></shape>", &["s.xml:3:1", "\"rotate\""]),

@@ -172,6 +172,39 @@ fn ply_encodings_agree_and_degenerate_faces_are_dropped_with_one_remark() {
     );
 }
 
+/// Places and texture coordinates are those at which Mitsuba 3.9.1 meets its own.
+#[test]
+fn round_shapes_are_mitsubas() {
+    let scene = scene(
+        "<shape type=\"disk\"/><shape type=\"cylinder\"><point name=\"p0\" value=\"1,2,3\"/>\
+         <point name=\"p1\" value=\"1,5,3\"/><float name=\"radius\" value=\"0.5\"/>\
+         <boolean name=\"flip_normals\" value=\"true\"/></shape><shape type=\"disk\"/>",
+    );
+    let near = |mesh: usize, at: Vec3| {
+        let distance = |i: &usize| scene.meshes[mesh].positions[*i].distance(at);
+        let vertices = 0..scene.meshes[mesh].positions.len();
+        vertices.min_by(|i, j| distance(i).total_cmp(&distance(j)))
+    };
+    let on_rim = near(0, Vec3::new(0.6, -0.8, 0.0)).expect("a vertex");
+    assert!((scene.meshes[0].uvs[on_rim] - Vec2::new(1.0, 0.852_416)).length() < 4e-3);
+    assert_eq!(face_normal(&scene, 0, 7), Vec3::Z);
+    let on_side = near(1, Vec3::new(1.458_26, 5.0, 3.2)).expect("a vertex");
+    assert!((scene.meshes[1].uvs[on_side] - Vec2::new(0.934_505, 1.0)).length() < 4e-3);
+    let Normals::Given(normals) = &scene.meshes[1].normals else {
+        panic!("a cylinder is smooth");
+    };
+    assert!((normals[on_side] - Vec3::new(-0.916_515, 0.0, -0.4)).length() < 3e-2);
+    let said = &scene.warnings;
+    assert!(
+        said.iter().any(|w| w.contains("this disk and 1 more")),
+        "{said:?}"
+    );
+    assert!(
+        said.iter()
+            .any(|w| w.contains("the cylinder is tessellated"))
+    );
+}
+
 /// A triangle in a zlib stream: number `z` in all its positions' third places.
 fn stream(version: u16, z: f64, is_double: bool) -> Vec<u8> {
     let flags: u32 = 0x0001 | 0x0002 | 0x0008 | if is_double { 0x2000 } else { 0x1000 };
