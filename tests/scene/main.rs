@@ -5,4 +5,5 @@ mod bad_input;
 mod loading;
 mod materials;
 mod paper_figures;
+mod slender;
 mod textures;

@@ -29,7 +29,7 @@ impl SceneView<'_> {
         let corners = self.geometry.corners(&vertices.triangle);
         let [v0, v1, v2] = self.geometry.gather_positions(&corners);
         let (o, d) = (vertices.origin, vertices.direction);
-        let (t, b1, b2) = triangle_hit(o, d, v0, v1, v2);
+        let (_, b1, b2) = triangle_hit(o, d, v0, v1, v2);
         let geometric = face_normal(v0, v1, v2);
         let mut n = geometric;
         let smooth = self.smooth_lanes(&vertices.triangle);
@@ -65,7 +65,9 @@ impl SceneView<'_> {
             None
         };
         Surface {
-            x: o + d * t,
+            // In slender triangles the distance along the ray is not good enough for a point of the
+            // plane, and rays that leave would meet their own surface.
+            x: v0 + (v1 - v0) * b1 + (v2 - v0) * b2,
             n,
             geometric,
             b,
