@@ -177,8 +177,8 @@ impl<'a> LampLine<'a> {
         self.x + d * (distance * (distance + self.lamp.behind) / self.way.dot(d))
     }
 
-    /// The triangle of the lamp that is seen beside the end of a shadow, and whether what hides it is
-    /// seen on the other side; where it is not the lamp itself hides the end.
+    /// The triangle of the lamp that is seen beside the end of a shadow. `None`, and counted, where one
+    /// side is not open or the other not hidden: then it is no end.
     fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
         let extent = self.points[POINTS - 1] - self.points[0];
         let offset = f64::from(OFFSET) * (self.x.abs().max_element() + 1.0);
