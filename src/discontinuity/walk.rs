@@ -194,6 +194,39 @@ const FLAT: f64 = 1e-10;
 /// goes as the square of their angle.
 const COARSE: f64 = 1e-2;
 
+/// How a surface bends at an edge of two triangles.
+pub struct Bend {
+    /// Of the angle between their planes; `None` where they lie in one plane.
+    pub squared_sine: Option<f64>,
+    /// Whether the angle between the triangles themselves is acute.
+    pub is_acute: bool,
+    /// Unit normals, of one orientation of the surface.
+    pub normals: [DVec3; 2],
+    /// How often the edge of a smooth surface is looked at.
+    pub share: f64,
+    /// Whether the two sides have shading normals of their own.
+    pub is_torn: bool,
+}
+
+/// How the surface bends at the edge that starts at `corner` of a triangle.
+pub fn bend_at(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> Bend {
+    let points = |t: u32| {
+        let corners = geometry.triangles[t as usize];
+        corners.map(|v| geometry.positions[v as usize].as_dvec3())
+    };
+    let [here, there] = [points(triangle), points(across.triangle)];
+    let sine = bend(here, there);
+    let [n, m] = [here, there].map(|[p, q, r]| (q - p).cross(r - p).normalize_or_zero());
+    let m = if across.flipped { -m } else { m };
+    Bend {
+        squared_sine: (sine > FLAT).then_some(sine),
+        is_acute: n.dot(m) < 0.0,
+        normals: [n, m],
+        share: (sine / COARSE).min(1.0),
+        is_torn: is_torn(geometry, triangle, corner, across),
+    }
+}
+
 /// The squared sine of the angle between the planes of two triangles.
 fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));

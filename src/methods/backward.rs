@@ -56,6 +56,7 @@ pub fn backward(
         .filter(|_| request.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(request);
+    stage.check_geometry(settings.method)?;
     check_size(&adjoint, stage.size)?;
     let wanted = Wanted::new(scene, request);
     let swept = sweep_tiles(&stage, &wanted, &adjoint.pixels, progress, &mut statistics)?;

@@ -40,6 +40,7 @@ pub fn forward(
     let boundary = boundary.filter(|_| tangent.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(tangent);
+    stage.check_geometry(settings.method)?;
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let view = stage.view();
     let estimator = stage.estimator();

@@ -2,6 +2,9 @@
 
 use super::error::EngineError;
 use super::estimators::{Discontinuity, Method};
+use crate::boundary::edges::intersections;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::scene_view::SceneView;
 use crate::scene::{Bsdf, Scene, SceneDifferential};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
@@ -62,6 +65,45 @@ pub fn check(
         && let Some(light) = scene.delta_lights.first()
     {
         return refuse(sharp_shadows(&light.key));
+    }
+    Ok(())
+}
+
+/// Refuses scenes with jumps that meshes alone do not tell of, if the method does not find them.
+pub fn check_geometry(
+    view: &SceneView,
+    adjacency: &Adjacency,
+    method: Method,
+) -> Result<(), EngineError> {
+    let geometry = view.geometry;
+    let id = |mesh: usize| &view.scene.meshes[mesh].id;
+    let has_rulings = |mesh: &usize| {
+        let pattern = &geometry.patterns[*mesh];
+        pattern.as_ref().is_some_and(|p| !p.rulings.is_empty())
+    };
+    if method.misses(Discontinuity::TextureEdge)
+        && let Some(mesh) = (0..geometry.patterns.len()).find(has_rulings)
+    {
+        return Err(EngineError::Refused(format!(
+            "{}: the edges of its checkerboard or unfiltered bitmap are not found by {}, so gradients by what moves \
+             would be wrong; use --method reparam",
+            id(mesh),
+            method.name()
+        )));
+    }
+    if method.misses(Discontinuity::Intersection)
+        && let Some([one, other]) = intersections::find(view, adjacency)
+    {
+        let what = if one == other {
+            format!("{} passes through itself", id(one))
+        } else {
+            format!("{} and {} pass through each other", id(one), id(other))
+        };
+        return Err(EngineError::Refused(format!(
+            "{what}: the lines in which surfaces meet are not found by {}, so gradients by what moves would be wrong; \
+             use --method reparam",
+            method.name()
+        )));
     }
     Ok(())
 }

@@ -70,6 +70,14 @@ pub enum Single {
     LobeLane,
     /// Which of several edges in a cell of a line over a lobe: index, depth, cell.
     LobeEdge,
+    /// Where on the edges of a tile of the film a point lies: number of the point.
+    FilmEdgePoint,
+    /// Which edge over a lobe, and where on it: index, depth, which of the two.
+    LobeEdgePoint,
+    /// The same of edges before a light.
+    LightEdgePoint,
+    /// The same of edges before the environment map.
+    MapEdgePoint,
 }
 
 /// Streams of their own, with what tells several of them apart.
@@ -79,6 +87,10 @@ pub enum Branch {
     FilmProbe,
     /// Paths that begin beside what a lobe sees: depth.
     LobeProbe,
+    /// Paths that begin beside an edge that the camera sees.
+    FilmEdgeProbe,
+    /// Paths that begin beside an edge that a lobe sees: depth.
+    LobeEdgeProbe,
 }
 
 impl Stream {

@@ -5,6 +5,7 @@ mod analytic_irradiance;
 mod analytic_shadow;
 mod black;
 mod determinism;
+mod edges;
 mod finite_differences;
 mod finite_differences_foliage;
 mod finite_differences_indirect;

@@ -213,6 +213,17 @@ impl<'a> LaneSurface<'a> {
         }
     }
 
+    /// Where a smooth surface would send light, and by about how much the lobe strays from there.
+    pub fn main_direction(&self) -> (DVec3, f64) {
+        let main = self.bounce(DVec3::Z).0.normalize();
+        let alpha = View::of_lane(self.at.vertices, self.at.surface, self.lane).alpha;
+        let tilted = [DVec3::X, DVec3::Y].map(|tangent| {
+            let local = (DVec3::Z + tangent * alpha).normalize();
+            self.bounce(local).0.angle_between(main)
+        });
+        (main, tilted[0].max(tilted[1]).clamp(NARROWEST, 1.0))
+    }
+
     /// +1 if the lobe leaves on the side of the normal, −1 if beyond the surface.
     fn side(&self) -> f64 {
         if self.lobe == Lobe::Refracted {

@@ -227,7 +227,9 @@ impl Cell for LobeCell<'_> {
 
     fn beside(&self, crossing: &Crossing) -> f64 {
         let arc = &self.arc;
-        let [angle, most] = probe_angle(self.scene.view.geometry, crossing, arc.origin);
+        let direction = arc.direction(crossing.s);
+        let geometry = self.scene.view.geometry;
+        let [angle, most] = probe_angle(geometry, crossing, arc.origin, direction);
         (angle / arc.a.angle_between(arc.b)).min(most)
     }
 
