@@ -88,7 +88,8 @@ fn diagonal_fov_deg(object: &Object) -> Result<f64, SceneError> {
     }
 }
 
-fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
+/// The horizontal opening angle of a film of this aspect ratio (width over height).
+pub(super) fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
     let fov_deg = object.float("fov")?;
     if fov_deg.is_some() && object.has("focal_length") {
         let what = "give either \"fov\" or \"focal_length\", not both";

@@ -1,5 +1,6 @@
 //! From a scene file to a [`Scene`].
 
+use super::beam;
 use super::camera;
 use super::data::{AreaLight, Scene};
 use super::emitter;
@@ -189,9 +190,13 @@ impl<'a> Loader<'a> {
         let (input, textures) = (&mut self.input, &mut self.textures);
         match object.plugin.as_str() {
             "area" => Err(object.error("an area emitter stands inside the shape that emits")),
-            "point" | "directional" => {
+            "point" | "directional" | "spot" | "projector" => {
                 let key = self.names.of(object);
-                let light = emitter::delta_light(input, textures, object, key)?;
+                let light = match object.plugin.as_str() {
+                    "spot" => beam::spot(input, textures, object, key)?,
+                    "projector" => beam::projector(input, textures, object, key)?,
+                    _ => emitter::delta_light(input, textures, object, key)?,
+                };
                 self.scene.delta_lights.push(light);
                 Ok(())
             }

@@ -1,5 +1,6 @@
 //! The scene as plain data, how it is loaded, and its tangents and cotangents.
 
+mod beam;
 mod camera;
 pub mod data;
 pub mod differential;

@@ -53,6 +53,8 @@ fn class_name(object: &Object) -> &'static str {
         ("sensor", _) => "PerspectiveCamera",
         ("emitter", "envmap") => "EnvironmentMapEmitter",
         ("emitter", "point") => "PointLight",
+        ("emitter", "spot") => "SpotLight",
+        ("emitter", "projector") => "Projector",
         ("emitter", "directional") => "DirectionalEmitter",
         ("emitter", _) => "ConstantBackgroundEmitter",
         ("bsdf", "twosided") => "TwoSidedBRDF",

@@ -56,6 +56,7 @@ fn with_a_bulb(mut scene: Scene) -> Scene {
             position: vec3(0.8, -0.9, 1.6),
         },
         power: scene.textures.len(),
+        beam: None,
     });
     scene
         .textures

@@ -6,7 +6,9 @@ mod mesh;
 mod sensor;
 mod texture;
 
-pub use light::{AreaLight, DeltaLight, DeltaLightKind, Environment, EnvironmentMap};
+pub use light::{
+    AreaLight, Beam, BeamProfile, DeltaLight, DeltaLightKind, Environment, EnvironmentMap,
+};
 pub use material::{Bsdf, Distribution, Material, Microfacets};
 pub use mesh::{Mesh, Normals};
 pub use sensor::{Film, Filter, Sensor};

@@ -66,7 +66,15 @@ const KNOWN: &[(&str, &[&str])] = &[
     ),
     (
         "emitter",
-        &["area", "constant", "envmap", "point", "directional"],
+        &[
+            "area",
+            "constant",
+            "envmap",
+            "point",
+            "directional",
+            "spot",
+            "projector",
+        ],
     ),
     ("texture", &["bitmap", "checkerboard"]),
     ("medium", &[]),
