@@ -2,10 +2,11 @@
 
 use super::beam;
 use super::camera;
-use super::data::{AreaLight, Scene};
+use super::data::{AreaLight, Body, Instance, Mesh, Scene};
 use super::emitter;
 use super::error::SceneError;
 use super::input::Input;
+use super::instance;
 use super::integrator::{DEFAULT_INTEGRATOR, integrator};
 use super::material::Materials;
 use super::names::Names;
@@ -14,7 +15,7 @@ use super::shape;
 use super::source::{Disk, FileSource, Fnv1a};
 use super::texture::Textures;
 use super::xml::{Object, Tree, read_tree};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Loads the scene file at `path`; `defines` are the `-D name=value`.
@@ -54,6 +55,9 @@ struct Loader<'a> {
     textures: Textures,
     names: Names,
     rounds: shape::RoundShapes,
+    /// The meshes of each shape group that an instance shows, by its object.
+    groups: HashMap<usize, Vec<Mesh>>,
+    copies: instance::Copies,
     has_integrator: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
     met: HashSet<usize>,
@@ -67,6 +71,7 @@ impl<'a> Loader<'a> {
             input,
             scene: Scene {
                 meshes: Vec::new(),
+                instances: Vec::new(),
                 materials: Vec::new(),
                 textures: Vec::new(),
                 area_lights: Vec::new(),
@@ -81,6 +86,8 @@ impl<'a> Loader<'a> {
             textures: Textures::default(),
             names: Names::new(tree.objects.iter().filter_map(|o| o.id.as_deref())),
             rounds: shape::RoundShapes::default(),
+            groups: HashMap::new(),
+            copies: instance::Copies::default(),
             has_integrator: false,
             met: HashSet::new(),
         }
@@ -143,7 +150,60 @@ impl<'a> Loader<'a> {
     }
 
     fn shape(&mut self, object: &'a Object) -> Result<(), SceneError> {
+        match object.plugin.as_str() {
+            // It is nothing until an instance shows it.
+            "shapegroup" => instance::check_group(self.tree, object),
+            "instance" => self.instance(object),
+            _ => {
+                let id = self.names.of(object);
+                let mesh = self.mesh(object, id)?;
+                self.scene.meshes.push(mesh);
+                Ok(())
+            }
+        }
+    }
+
+    /// All shapes of the group, put where the instance says.
+    fn instance(&mut self, object: &'a Object) -> Result<(), SceneError> {
         let id = self.names.of(object);
+        let group = instance::group_of(self.tree, object)?;
+        let to_world = object.transform("to_world")?;
+        if !self.groups.contains_key(&group) {
+            let mut meshes = Vec::new();
+            for inner in instance::shapes_of(self.tree, group)? {
+                let id = self.names.of(inner);
+                meshes.push(self.mesh(inner, id)?);
+            }
+            self.groups.insert(group, meshes);
+        }
+        let meshes = &self.groups[&group];
+        let body = Body {
+            first: self.scene.meshes.len(),
+            count: meshes.len(),
+        };
+        let placed: Result<Vec<Mesh>, SceneError> = meshes
+            .iter()
+            .map(|mesh| instance::placed(mesh, to_world, object))
+            .collect();
+        for mut mesh in placed? {
+            mesh.id = match body.count {
+                1 => id.clone(),
+                _ => format!("{id}.{}", mesh.id),
+            };
+            self.scene.meshes.push(mesh);
+        }
+        if body.count > 1 {
+            self.scene.instances.push(Instance { id, body });
+        }
+        let group = &self.tree.objects[group];
+        let triangles = self.scene.meshes[body.meshes()].iter();
+        let triangles = triangles.map(|m| m.triangles.len()).sum();
+        self.copies.add(&group.place, triangles);
+        Ok(())
+    }
+
+    /// The mesh of a shape that is one, with its material and light.
+    fn mesh(&mut self, object: &'a Object, id: String) -> Result<Mesh, SceneError> {
         let parts = shape::parts(self.tree, object)?;
         let bsdf_key = format!("{id}.bsdf");
         let material = match parts.bsdf {
@@ -181,8 +241,7 @@ impl<'a> Loader<'a> {
         mesh.material = material;
         mesh.area_light = area_light;
         self.scene.warnings.append(&mut remarks);
-        self.scene.meshes.push(mesh);
-        Ok(())
+        Ok(mesh)
     }
 
     /// An emitter that stands in the scene itself.
@@ -218,6 +277,7 @@ impl<'a> Loader<'a> {
             .warnings
             .extend(self.tree.warnings.iter().cloned());
         self.scene.warnings.extend(self.rounds.remarks());
+        self.scene.warnings.extend(self.copies.remarks());
         for object in &self.tree.objects {
             let warnings = object.unread(properties_of(object));
             self.scene.warnings.extend(warnings);

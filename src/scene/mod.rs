@@ -7,6 +7,7 @@ pub mod differential;
 mod emitter;
 pub mod error;
 mod input;
+mod instance;
 mod integrator;
 pub mod iors;
 mod load;

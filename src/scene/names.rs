@@ -50,6 +50,7 @@ fn class_name(object: &Object) -> &'static str {
         ("shape", "sphere") => "Sphere",
         ("shape", "disk") => "Disk",
         ("shape", "cylinder") => "Cylinder",
+        ("shape", "instance") => "Instance",
         ("sensor", _) => "PerspectiveCamera",
         ("emitter", "envmap") => "EnvironmentMapEmitter",
         ("emitter", "point") => "PointLight",

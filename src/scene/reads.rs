@@ -77,6 +77,8 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
             "flip_tex_coords",
             "to_world",
         ],
+        "shapegroup" => &[],
+        "instance" => &["to_world"],
         "cylinder" => &["p0", "p1", "radius", "flip_normals", "to_world"],
         "sphere" => &[
             "center",

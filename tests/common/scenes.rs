@@ -42,6 +42,7 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
         textures: Vec::new(),
         area_lights: Vec::new(),
         delta_lights: Vec::new(),
+        instances: Vec::new(),
         environment: None,
         sensors: vec![sensor],
         integrator: Integrator {

@@ -20,6 +20,28 @@ pub struct Mesh {
     pub area_light: Option<usize>,
 }
 
+/// Meshes in a row that move as one: a shape, or an instance of several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Body {
+    pub first: usize,
+    pub count: usize,
+}
+
+impl Body {
+    /// The body of one mesh.
+    pub fn of(mesh: usize) -> Self {
+        Self {
+            first: mesh,
+            count: 1,
+        }
+    }
+
+    /// Indices into [`super::Scene::meshes`].
+    pub fn meshes(self) -> std::ops::Range<usize> {
+        self.first..self.first + self.count
+    }
+}
+
 /// How a mesh is shaded.
 #[derive(Clone, Debug, Default)]
 pub enum Normals {

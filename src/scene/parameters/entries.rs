@@ -3,7 +3,7 @@
 use super::entry::{Entry, Fixed};
 use super::surfaces::Slots;
 use super::target::Target;
-use crate::scene::data::{Normals, Scene, Sensor};
+use crate::scene::data::{Body, Normals, Scene, Sensor};
 
 /// Every key: shape by shape with the material and light that only it has, then shared materials,
 /// other textures and lights, the environment, the sensors.
@@ -26,13 +26,7 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         if let Some(l) = mesh.area_light {
             slots.texture(scene.area_lights[l].radiance, &mut out);
         }
-        for (name, count, target) in [
-            ("translation", 3, Target::ShapeTranslation(m)),
-            ("rotation", 3, Target::ShapeRotation(m)),
-            ("scale", 1, Target::ShapeScale(m)),
-        ] {
-            out.push(Entry::of(format!("{id}.{name}"), &[count], target));
-        }
+        motions(id, Body::of(m), &mut out);
         let faces = [mesh.triangles.len(), 3];
         out.push(Entry::fixed(format!("{id}.faces"), &faces, Fixed::Faces(m)));
         if !matches!(mesh.normals, Normals::Flat) {
@@ -51,6 +45,9 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
             ));
         }
     }
+    for instance in &scene.instances {
+        motions(&instance.id, instance.body, &mut out);
+    }
     for m in 0..scene.materials.len() {
         slots.material(m, &mut out);
     }
@@ -65,6 +62,17 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         sensor_entries(s, sensor, &mut out);
     }
     out
+}
+
+/// How a shape moves as a whole.
+fn motions(id: &str, body: Body, out: &mut Vec<Entry>) {
+    for (name, count, target) in [
+        ("translation", 3, Target::ShapeTranslation(body)),
+        ("rotation", 3, Target::ShapeRotation(body)),
+        ("scale", 1, Target::ShapeScale(body)),
+    ] {
+        out.push(Entry::of(format!("{id}.{name}"), &[count], target));
+    }
 }
 
 fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {

@@ -34,21 +34,30 @@ fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32
     };
     match target {
         Target::VertexPositions(m) => add_positions(out, scene, m, |i, _| vector(i)),
-        Target::ShapeTranslation(m) => add_positions(out, scene, m, |_, _| vector(0)),
-        Target::ShapeRotation(m) => {
-            let (axis, center) = (vector(0).as_dvec3(), pivot(&scene.meshes[m]));
-            add_positions(out, scene, m, |_, p| axis.cross(p - center).as_vec3());
-            if let Normals::Given(normals) = &scene.meshes[m].normals {
-                let moved =
-                    out.given_normals[m].get_or_insert_with(|| vec![Vec3::ZERO; normals.len()]);
-                for (moved, normal) in moved.iter_mut().zip(normals) {
-                    *moved += axis.cross(normal.as_dvec3()).as_vec3();
+        Target::ShapeTranslation(body) => {
+            for m in body.meshes() {
+                add_positions(out, scene, m, |_, _| vector(0));
+            }
+        }
+        Target::ShapeRotation(body) => {
+            let (axis, center) = (vector(0).as_dvec3(), pivot(&scene.meshes[body.meshes()]));
+            for m in body.meshes() {
+                add_positions(out, scene, m, |_, p| axis.cross(p - center).as_vec3());
+                if let Normals::Given(normals) = &scene.meshes[m].normals {
+                    let moved =
+                        out.given_normals[m].get_or_insert_with(|| vec![Vec3::ZERO; normals.len()]);
+                    for (moved, normal) in moved.iter_mut().zip(normals) {
+                        *moved += axis.cross(normal.as_dvec3()).as_vec3();
+                    }
                 }
             }
         }
-        Target::ShapeScale(m) => {
-            let (factor, center) = (f64::from(values[0]), pivot(&scene.meshes[m]));
-            add_positions(out, scene, m, |_, p| ((p - center) * factor).as_vec3());
+        Target::ShapeScale(body) => {
+            let center = pivot(&scene.meshes[body.meshes()]);
+            let factor = f64::from(values[0]);
+            for m in body.meshes() {
+                add_positions(out, scene, m, |_, p| ((p - center) * factor).as_vec3());
+            }
         }
         Target::SensorTranslation(_) => camera(out).translation += vector(0),
         Target::SensorRotation(_) => camera(out).rotation += vector(0),

@@ -48,6 +48,8 @@ const KNOWN: &[(&str, &[&str])] = &[
             "sphere",
             "disk",
             "cylinder",
+            "shapegroup",
+            "instance",
         ],
     ),
     (
