@@ -2,12 +2,13 @@
 
 use super::error::EngineError;
 use super::estimators::{Discontinuity, Method};
-use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Scene, SceneDifferential};
+use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 pub fn check(
     scene: &Scene,
     request: &SceneDifferential,
+    sensor: &Sensor,
     method: Method,
 ) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
@@ -35,6 +36,17 @@ pub fn check(
     }
     if !moves {
         return Ok(());
+    }
+    let kind = match sensor.lens {
+        Lens::Pinhole => None,
+        Lens::Thin { .. } => Some("through a lens with an aperture"),
+        Lens::Parallel { .. } => Some("by a parallel projection"),
+    };
+    if let Some(kind) = kind {
+        return refuse(format!(
+            "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+            sensor.id
+        ));
     }
     let used = || {
         let used = scene.meshes.iter().map(|m| m.material);

@@ -101,7 +101,9 @@ fn is_similarity(to_world: DAffine3) -> bool {
     let square = gram.x_axis.x;
     let off = gram - glam::DMat3::from_diagonal(glam::DVec3::splat(square));
     let columns = [off.x_axis, off.y_axis, off.z_axis];
-    columns.iter().all(|c| c.abs().max_element() < 1e-5 * square)
+    columns
+        .iter()
+        .all(|c| c.abs().max_element() < 1e-5 * square)
 }
 
 /// How often groups were copied, in the order of the file: place, copies, triangles.

@@ -35,9 +35,16 @@ pub fn load_from(
     loader.everything()?;
     let root = &tree.objects[0];
     if loader.scene.sensors.is_empty() {
-        return Err(
-            root.error("the scene has no sensor; add <sensor type=\"perspective\">…</sensor>")
-        );
+        let what = "the scene has no sensor; a camera before it that looks along +z takes its place, until you add \
+                    <sensor type=\"perspective\">…</sensor>";
+        loader
+            .scene
+            .warnings
+            .push(format!("{}: {what}", root.place));
+        loader
+            .scene
+            .sensors
+            .push(camera::overview(&loader.scene.meshes));
     }
     loader.warn();
     let mut scene = loader.scene;

@@ -51,6 +51,8 @@ fn class_name(object: &Object) -> &'static str {
         ("shape", "disk") => "Disk",
         ("shape", "cylinder") => "Cylinder",
         ("shape", "instance") => "Instance",
+        ("sensor", "thinlens") => "ThinLensCamera",
+        ("sensor", "orthographic") => "OrthographicCamera",
         ("sensor", _) => "PerspectiveCamera",
         ("emitter", "envmap") => "EnvironmentMapEmitter",
         ("emitter", "point") => "PointLight",

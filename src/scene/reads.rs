@@ -8,6 +8,17 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
         ("integrator", "aov" | "moment") => &["aovs"],
         ("integrator", plugin) if plugin.starts_with("direct") => &["rr_depth", "hide_emitters"],
         ("integrator", _) => &["max_depth", "rr_depth", "hide_emitters"],
+        ("sensor", "orthographic") => &["to_world", "near_clip", "far_clip"],
+        ("sensor", "thinlens") => &[
+            "fov",
+            "fov_axis",
+            "focal_length",
+            "aperture_radius",
+            "focus_distance",
+            "to_world",
+            "near_clip",
+            "far_clip",
+        ],
         ("sensor", _) => &[
             "fov",
             "fov_axis",

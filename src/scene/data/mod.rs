@@ -11,7 +11,7 @@ pub use light::{
 };
 pub use material::{Bsdf, Distribution, Material, Microfacets};
 pub use mesh::{Body, Mesh, Normals};
-pub use sensor::{Film, Filter, Sensor};
+pub use sensor::{Film, Filter, Lens, Sensor};
 pub use texture::{Layout, Rgb, Texture, Wrap};
 
 /// A loaded scene. Indices (`material`, `emitter`) point into its own vectors.

@@ -3,7 +3,7 @@
 use super::entry::{Entry, Fixed};
 use super::surfaces::Slots;
 use super::target::Target;
-use crate::scene::data::{Body, Normals, Scene, Sensor};
+use crate::scene::data::{Body, Lens, Normals, Scene, Sensor};
 
 /// Every key: shape by shape with the material and light that only it has, then shared materials,
 /// other textures and lights, the environment, the sensors.
@@ -87,11 +87,23 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         &[3],
         Target::SensorRotation(s),
     ));
-    out.push(Entry::of(
-        format!("{id}.x_fov"),
-        &[1],
-        Target::SensorXFov(s),
-    ));
+    if !matches!(sensor.lens, Lens::Parallel { .. }) {
+        let x_fov = format!("{id}.x_fov");
+        out.push(Entry::of(x_fov, &[1], Target::SensorXFov(s)));
+    }
+    if let Lens::Thin {
+        aperture_radius,
+        focus_distance,
+    } = sensor.lens
+    {
+        for (name, number) in [
+            ("aperture_radius", aperture_radius),
+            ("focus_distance", focus_distance),
+        ] {
+            let numbers = vec![f64::from(number)];
+            out.push(Entry::numbers(format!("{id}.{name}"), &[1], numbers));
+        }
+    }
     let film = &sensor.film;
     let pair = |a: u32, b: u32| vec![f64::from(a), f64::from(b)];
     let offset = sensor.principal_point_offset;

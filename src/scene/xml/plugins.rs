@@ -24,7 +24,7 @@ const KNOWN: &[(&str, &[&str])] = &[
             "moment",
         ],
     ),
-    ("sensor", &["perspective"]),
+    ("sensor", &["perspective", "thinlens", "orthographic"]),
     ("film", &["hdrfilm"]),
     ("rfilter", &["box", "tent", "gaussian"]),
     (
