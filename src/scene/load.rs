@@ -14,7 +14,7 @@ use super::reads::properties_of;
 use super::shape;
 use super::source::{Disk, FileSource, Fnv1a};
 use super::texture::Textures;
-use super::xml::{Object, Tree, read_tree};
+use super::xml::{Child, Object, Tree, read_tree};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -23,16 +23,40 @@ pub fn load(path: impl AsRef<Path>, defines: &[(String, String)]) -> Result<Scen
     load_from(&Disk, path, defines)
 }
 
+/// Loads what can be loaded of a scene, so that its parameters can be listed: what is not supported
+/// or wrong is left out, with warnings. Its image would be another.
+pub fn load_to_list(
+    path: impl AsRef<Path>,
+    defines: &[(String, String)],
+) -> Result<Scene, SceneError> {
+    load_as(&Disk, path.as_ref(), defines, true)
+}
+
 /// Loads a scene from any source of files.
 pub fn load_from(
     files: &dyn FileSource,
     path: impl AsRef<Path>,
     defines: &[(String, String)],
 ) -> Result<Scene, SceneError> {
+    load_as(files, path.as_ref(), defines, false)
+}
+
+fn load_as(
+    files: &dyn FileSource,
+    path: &Path,
+    defines: &[(String, String)],
+    to_list: bool,
+) -> Result<Scene, SceneError> {
     let mut hash = Fnv1a::default();
-    let tree = read_tree(files, path.as_ref(), defines, &mut hash)?;
-    let mut loader = Loader::new(Input::new(&tree, files, hash));
-    loader.everything()?;
+    let tree = read_tree(files, path, defines, &mut hash, to_list)?;
+    let mut loader = Loader::new(Input::new(&tree, files, hash), to_list);
+    let errors = loader.everything();
+    if to_list {
+        let left_out = errors.iter().map(|e| format!("left out: {e}"));
+        loader.scene.warnings.extend(left_out);
+    } else {
+        SceneError::all(errors)?;
+    }
     let root = &tree.objects[0];
     if loader.scene.sensors.is_empty() {
         let what = "the scene has no sensor; a camera before it that looks along +z takes its place, until you add \
@@ -66,16 +90,19 @@ struct Loader<'a> {
     groups: HashMap<usize, Vec<Mesh>>,
     copies: instance::Copies,
     has_integrator: bool,
+    /// What is wrong with a shape's bsdf does not matter.
+    to_list: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
     met: HashSet<usize>,
 }
 
 impl<'a> Loader<'a> {
-    fn new(input: Input<'a>) -> Self {
+    fn new(input: Input<'a>, to_list: bool) -> Self {
         let tree = input.tree;
         Self {
             tree,
             input,
+            to_list,
             scene: Scene {
                 meshes: Vec::new(),
                 instances: Vec::new(),
@@ -100,60 +127,74 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn everything(&mut self) -> Result<(), SceneError> {
+    /// Loads all of it, and goes on after errors: the file is to be mended once.
+    fn everything(&mut self) -> Vec<SceneError> {
         let tree = self.tree;
         let root = &tree.objects[0];
+        let mut errors = Vec::new();
         for child in &root.children {
-            let object = &tree.objects[child.object];
-            let is_part = match object.tag {
-                "film" | "rfilter" | "sampler" => true,
-                "emitter" => object.plugin == "area",
-                _ => false,
-            };
-            if is_part && self.input.is_referenced(child.object) {
-                // It is kept here for the objects that reference it.
-                continue;
-            }
-            if !matches!(object.tag, "bsdf" | "texture") && !self.met.insert(child.object) {
-                let what = format!("{} is already part of the scene", object.shown());
-                return Err(SceneError::at(&child.place, what));
-            }
-            match object.tag {
-                "bsdf" | "texture" => {}
-                "integrator" => {
-                    if std::mem::replace(&mut self.has_integrator, true) {
-                        return Err(SceneError::at(
-                            &child.place,
-                            "a scene has only one integrator",
-                        ));
-                    }
-                    self.scene.integrator = integrator(tree, object, &mut self.scene.warnings)?;
+            errors.extend(self.child(child).err());
+        }
+        for child in &root.children {
+            errors.extend(self.unused(child, "bsdf").err());
+        }
+        for child in &root.children {
+            errors.extend(self.unused(child, "texture").err());
+        }
+        errors
+    }
+
+    /// What stands in the scene itself, but bsdfs and textures.
+    fn child(&mut self, child: &'a Child) -> Result<(), SceneError> {
+        let tree = self.tree;
+        let root = &tree.objects[0];
+        let object = &tree.objects[child.object];
+        let is_part = match object.tag {
+            "film" | "rfilter" | "sampler" => true,
+            "emitter" => object.plugin == "area",
+            _ => false,
+        };
+        if is_part && self.input.is_referenced(child.object) {
+            // It is kept here for the objects that reference it.
+            return Ok(());
+        }
+        if !matches!(object.tag, "bsdf" | "texture") && !self.met.insert(child.object) {
+            let what = format!("{} is already part of the scene", object.shown());
+            return Err(SceneError::at(&child.place, what));
+        }
+        match object.tag {
+            "bsdf" | "texture" => Ok(()),
+            "integrator" => {
+                if std::mem::replace(&mut self.has_integrator, true) {
+                    let what = "a scene has only one integrator";
+                    return Err(SceneError::at(&child.place, what));
                 }
-                "sensor" => {
-                    let id = self.names.of(object);
-                    self.scene.sensors.push(camera::sensor(tree, object, id)?);
-                }
-                "shape" => self.shape(object)?,
-                "emitter" => self.emitter(object)?,
-                _ => return Err(camera::cannot_stand_inside(child, object, root)),
+                self.scene.integrator = integrator(tree, object, &mut self.scene.warnings)?;
+                Ok(())
             }
-        }
-        for child in &root.children {
-            let object = &tree.objects[child.object];
-            if object.tag == "bsdf" {
-                let key = self.names.of(object);
-                self.materials
-                    .unused(&mut self.input, &mut self.textures, child.object, &key)?;
+            "sensor" => {
+                let id = self.names.of(object);
+                self.scene.sensors.push(camera::sensor(tree, object, id)?);
+                Ok(())
             }
+            "shape" => self.shape(object),
+            "emitter" => self.emitter(object),
+            _ => Err(camera::cannot_stand_inside(child, object, root)),
         }
-        for child in &root.children {
-            let object = &tree.objects[child.object];
-            if object.tag == "texture" {
-                let key = self.names.of(object);
-                self.textures.unused(&mut self.input, child.object, &key)?;
-            }
+    }
+
+    /// A bsdf or texture of the scene that nothing uses: it is listed, and its errors are found.
+    fn unused(&mut self, child: &'a Child, tag: &str) -> Result<(), SceneError> {
+        let object = &self.tree.objects[child.object];
+        if object.tag != tag || !object.is_supported {
+            return Ok(());
         }
-        Ok(())
+        let key = self.names.of(object);
+        let (input, textures) = (&mut self.input, &mut self.textures);
+        match tag {
+            "bsdf" => self.materials.unused(input, textures, child.object, &key),
+            _ => textures.unused(input, child.object, &key),
+        }
     }
 
     fn shape(&mut self, object: &'a Object) -> Result<(), SceneError> {
@@ -215,8 +256,14 @@ impl<'a> Loader<'a> {
         let bsdf_key = format!("{id}.bsdf");
         let material = match parts.bsdf {
             Some(child) => {
-                self.materials
-                    .bsdf(&mut self.input, &mut self.textures, child.object, &bsdf_key)?
+                let (input, textures) = (&mut self.input, &mut self.textures);
+                let read = self
+                    .materials
+                    .bsdf(input, textures, child.object, &bsdf_key);
+                match read {
+                    Err(_) if self.to_list => self.materials.unknown(&bsdf_key),
+                    read => read?,
+                }
             }
             None => {
                 let emits = parts.emitter.is_some();

@@ -30,5 +30,5 @@ mod xml;
 pub use data::*;
 pub use differential::{CameraDifferential, EnvironmentDifferential, SceneDifferential};
 pub use error::{Place, SceneError};
-pub use load::{load, load_from};
+pub use load::{load, load_from, load_to_list};
 pub use vertex_normals::vertex_normals;

@@ -1,5 +1,6 @@
 //! Which plugins are known.
 
+use super::unsupported::instead_of;
 use crate::scene::nearest::{nearest_hint, shown};
 
 /// Elements that make an object, with the plugins that each tag supports.
@@ -123,16 +124,14 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     if supported.contains(&plugin) || any_prb {
         return Ok(());
     }
+    let shown = format!("<{tag} type=\"{}\"> is not supported", shown(plugin));
+    if let Some(instead) = instead_of(tag, plugin) {
+        return Err(format!("{shown}: {instead}"));
+    }
     let hint = nearest_hint(plugin, supported.iter().copied());
-    let reason = match tag {
-        "medium" | "phase" | "volume" => " (volumes are out of scope)",
-        "spectrum" => {
-            " (spectra are <spectrum value=\"400:0.1, 700:0.5\"/>, <spectrum filename=\"…\"/> or <rgb>)"
-        }
-        _ => "",
+    let all = match supported.len() {
+        0..2 => String::new(),
+        _ => format!(" (there are {})", supported.join(", ")),
     };
-    Err(format!(
-        "<{tag} type=\"{}\"> is not supported{reason}{hint}",
-        shown(plugin)
-    ))
+    Err(format!("{shown}{hint}{all}"))
 }
