@@ -59,16 +59,16 @@ fn load_as(
     }
     let root = &tree.objects[0];
     if loader.scene.sensors.is_empty() {
+        if loader.scene.meshes.is_empty() && !to_list {
+            let what = "the scene has no sensor; add <sensor type=\"perspective\">…</sensor>";
+            return Err(root.error(what));
+        }
         let what = "the scene has no sensor; a camera before it that looks along +z takes its place, until you add \
                     <sensor type=\"perspective\">…</sensor>";
-        loader
-            .scene
-            .warnings
-            .push(format!("{}: {what}", root.place));
-        loader
-            .scene
-            .sensors
-            .push(camera::overview(&loader.scene.meshes));
+        let warning = format!("{}: {what}", root.place);
+        loader.scene.warnings.push(warning);
+        let camera = camera::overview(&loader.scene.meshes);
+        loader.scene.sensors.push(camera);
     }
     loader.warn();
     let mut scene = loader.scene;

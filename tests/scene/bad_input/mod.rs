@@ -34,7 +34,7 @@ fn kind(error: &SceneError) -> Option<Kind> {
         SceneError::Mesh { .. } => Some(Kind::Mesh),
         SceneError::Missing { .. } => Some(Kind::Missing),
         SceneError::Define { .. } => Some(Kind::Define),
-        SceneError::Parameter { .. } | SceneError::Io { .. } => None,
+        SceneError::Parameter { .. } | SceneError::Several { .. } | SceneError::Io { .. } => None,
     }
 }
 
