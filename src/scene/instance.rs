@@ -66,7 +66,10 @@ pub(super) fn placed(
         let what = "to_world flattens the instance (its determinant is zero)";
         return Err(instance.property_error("to_world", what));
     }
-    let mut out = mesh.clone();
+    let mut out = Mesh {
+        to_world,
+        ..mesh.clone()
+    };
     for position in &mut out.positions {
         *position = to_world.transform_point3(position.as_dvec3()).as_vec3();
         if !position.is_finite() {

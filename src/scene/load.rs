@@ -2,7 +2,7 @@
 
 use super::beam;
 use super::camera;
-use super::data::{AreaLight, Body, Instance, Mesh, Scene};
+use super::data::{AreaLight, Body, Bsdf, Instance, Material, Mesh, Scene};
 use super::emitter;
 use super::error::SceneError;
 use super::input::Input;
@@ -51,6 +51,10 @@ fn load_as(
     let tree = read_tree(files, path, defines, &mut hash, to_list)?;
     let mut loader = Loader::new(Input::new(&tree, files, hash), to_list);
     let errors = loader.everything();
+    let errors: Vec<SceneError> = match loader.samples_are_missed() {
+        Some(error) => errors.into_iter().chain([error]).collect(),
+        None => errors,
+    };
     if to_list {
         let left_out = errors.iter().map(|e| format!("left out: {e}"));
         loader.scene.warnings.extend(left_out);
@@ -205,7 +209,7 @@ impl<'a> Loader<'a> {
             _ => {
                 let id = self.names.of(object);
                 let mesh = self.mesh(object, id)?;
-                self.scene.meshes.push(mesh);
+                self.scene.meshes.extend(mesh);
                 Ok(())
             }
         }
@@ -220,7 +224,7 @@ impl<'a> Loader<'a> {
             let mut meshes = Vec::new();
             for inner in instance::shapes_of(self.tree, group)? {
                 let id = self.names.of(inner);
-                meshes.push(self.mesh(inner, id)?);
+                meshes.extend(self.mesh(inner, id)?);
             }
             self.groups.insert(group, meshes);
         }
@@ -250,8 +254,8 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
-    /// The mesh of a shape that is one, with its material and light.
-    fn mesh(&mut self, object: &'a Object, id: String) -> Result<Mesh, SceneError> {
+    /// The mesh of a shape that is one, with its material and light; none if it has no area.
+    fn mesh(&mut self, object: &'a Object, id: String) -> Result<Option<Mesh>, SceneError> {
         let parts = shape::parts(self.tree, object)?;
         let bsdf_key = format!("{id}.bsdf");
         let material = match parts.bsdf {
@@ -272,7 +276,7 @@ impl<'a> Loader<'a> {
             }
         };
         let mut textures = self.materials.list[material].bsdf.textures();
-        let mut area_light = None;
+        let mut light = None;
         if let Some(child) = parts.emitter {
             if !self.met.insert(child.object) {
                 let what = "an area emitter belongs to one shape only";
@@ -281,8 +285,7 @@ impl<'a> Loader<'a> {
             let key = format!("{id}.emitter");
             let radiance = emitter::area(&mut self.input, &mut self.textures, child.object, &key)?;
             textures.push(radiance);
-            area_light = Some(self.scene.area_lights.len());
-            self.scene.area_lights.push(AreaLight {
+            light = Some(AreaLight {
                 mesh: self.scene.meshes.len(),
                 radiance,
                 key,
@@ -291,11 +294,15 @@ impl<'a> Loader<'a> {
         let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
         let (mut mesh, mut remarks) =
             shape::mesh(&mut self.input, object, is_textured, &mut self.rounds)?;
+        self.scene.warnings.append(&mut remarks);
+        if mesh.triangles.is_empty() {
+            return Ok(None);
+        }
         mesh.id = id;
         mesh.material = material;
-        mesh.area_light = area_light;
-        self.scene.warnings.append(&mut remarks);
-        Ok(mesh)
+        mesh.area_light = light.is_some().then_some(self.scene.area_lights.len());
+        self.scene.area_lights.extend(light);
+        Ok(Some(mesh))
     }
 
     /// An emitter that stands in the scene itself.
@@ -325,6 +332,42 @@ impl<'a> Loader<'a> {
         }
     }
 
+    /// `direct` may leave out one of two ways to find light; what only that one finds is black then.
+    fn samples_are_missed(&self) -> Option<SceneError> {
+        let is_integrator = |o: &&Object| o.tag == "integrator" && o.plugin == "direct";
+        let object = self.tree.objects.iter().find(is_integrator)?;
+        let none = |name| matches!(object.integer(name), Ok(Some(0)));
+        let is_smooth = |m: &Material| {
+            matches!(
+                m.bsdf,
+                Bsdf::Null
+                    | Bsdf::Conductor {
+                        microfacets: None,
+                        ..
+                    }
+                    | Bsdf::Dielectric {
+                        microfacets: None,
+                        ..
+                    }
+                    | Bsdf::Plastic {
+                        microfacets: None,
+                        ..
+                    }
+            )
+        };
+        let (name, what) = if none("emitter_samples") && !self.scene.delta_lights.is_empty() {
+            ("emitter_samples", "point and directional lights")
+        } else if none("bsdf_samples") && self.materials.list.iter().any(is_smooth) {
+            ("bsdf_samples", "what smooth surfaces show")
+        } else {
+            return None;
+        };
+        let what = format!(
+            "\"{name}\" of 0 leaves out {what}, which Warpath always finds; take the property out"
+        );
+        Some(object.property_error(name, what))
+    }
+
     /// Warns of what is approximated, and of what the file says and nobody asked for.
     fn warn(&mut self) {
         self.scene
@@ -332,6 +375,7 @@ impl<'a> Loader<'a> {
             .extend(self.tree.warnings.iter().cloned());
         self.scene.warnings.extend(self.rounds.remarks());
         self.scene.warnings.extend(self.copies.remarks());
+        self.scene.warnings.append(&mut self.textures.remarks);
         for object in &self.tree.objects {
             let warnings = object.unread(properties_of(object));
             self.scene.warnings.extend(warnings);

@@ -6,7 +6,13 @@ use super::xml::Object;
 pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
     match (object.tag, object.plugin.as_str()) {
         ("integrator", "aov" | "moment") => &["aovs"],
-        ("integrator", plugin) if plugin.starts_with("direct") => &["rr_depth", "hide_emitters"],
+        ("integrator", plugin) if plugin.starts_with("direct") => &[
+            "rr_depth",
+            "hide_emitters",
+            "shading_samples",
+            "emitter_samples",
+            "bsdf_samples",
+        ],
         ("integrator", _) => &["max_depth", "rr_depth", "hide_emitters"],
         ("sensor", "orthographic") => &["to_world", "near_clip", "far_clip"],
         ("sensor", "thinlens") => &[

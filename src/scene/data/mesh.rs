@@ -1,6 +1,6 @@
 //! Triangles in world space.
 
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 
 /// A triangle mesh in world space.
 #[derive(Clone, Debug, Default)]
@@ -9,6 +9,8 @@ pub struct Mesh {
     pub id: String,
     /// World space, already transformed.
     pub positions: Vec<Vec3>,
+    /// What took the shape (or the instance's group) there.
+    pub to_world: DAffine3,
     /// Counter-clockwise seen from outside, `flip_normals` already applied.
     pub triangles: Vec<[u32; 3]>,
     pub normals: Normals,

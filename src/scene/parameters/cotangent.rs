@@ -3,6 +3,7 @@
 use super::motion::pivot;
 use super::parameter::Parameter;
 use super::target::Target;
+use super::to_world::MatrixBar;
 use crate::scene::data::{Body, Normals, Scene};
 use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
@@ -26,8 +27,9 @@ pub fn wanted(
                     want_positions(&mut out, scene, m);
                 }
             }
-            // Only a rotation turns the normals that are data of their own.
-            Target::ShapeRotation(body) => {
+            Target::VertexNormals(m) => out.want_mesh(scene, m),
+            // These turn the normals that are data of their own.
+            Target::ShapeRotation(body) | Target::ShapeToWorld(body) => {
                 for m in body.meshes() {
                     out.want_mesh(scene, m);
                 }
@@ -65,6 +67,23 @@ pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferentia
             Some(positions) => positions.iter().flat_map(|p| p.to_array()).collect(),
             None => vec![0.0; parameter.len()],
         },
+        Target::VertexNormals(m) => match &cotangent.given_normals[m] {
+            Some(normals) => normals.iter().flat_map(|n| n.to_array()).collect(),
+            None => vec![0.0; parameter.len()],
+        },
+        Target::ShapeToWorld(body) => {
+            let mut sum = MatrixBar::default();
+            for m in body.meshes() {
+                let present = scene.meshes[m].to_world;
+                for (p, bar) in each_vertex(scene, Body::of(m), cotangent) {
+                    sum.add_point(present, p, bar);
+                }
+                for (n, bar) in each_normal(scene, m, cotangent) {
+                    sum.add_normal(present, n, bar);
+                }
+            }
+            sum.rows().map(|v| v as f32).to_vec()
+        }
         Target::ShapeTranslation(body) => {
             let sum: DVec3 = each_vertex(scene, body, cotangent)
                 .map(|(_, bar)| bar)
@@ -147,14 +166,21 @@ fn each_vertex<'a>(
     })
 }
 
-fn normal_torque(scene: &Scene, m: usize, cotangent: &SceneDifferential) -> DVec3 {
-    let (Normals::Given(normals), Some(bars)) =
-        (&scene.meshes[m].normals, &cotangent.given_normals[m])
-    else {
-        return DVec3::ZERO;
+/// Normal and its cotangent, of a mesh whose normals are data of their own.
+fn each_normal<'a>(
+    scene: &'a Scene,
+    m: usize,
+    cotangent: &'a SceneDifferential,
+) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
+    let (normals, bars) = match (&scene.meshes[m].normals, &cotangent.given_normals[m]) {
+        (Normals::Given(normals), Some(bars)) => (normals.as_slice(), bars.as_slice()),
+        _ => (&[][..], &[][..]),
     };
     let pairs = normals.iter().zip(bars);
-    pairs
-        .map(|(n, bar)| n.as_dvec3().cross(bar.as_dvec3()))
-        .sum()
+    pairs.map(|(n, bar)| (n.as_dvec3(), bar.as_dvec3()))
+}
+
+fn normal_torque(scene: &Scene, m: usize, cotangent: &SceneDifferential) -> DVec3 {
+    let normals = each_normal(scene, m, cotangent);
+    normals.map(|(n, bar)| n.cross(bar)).sum()
 }

@@ -29,20 +29,26 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         motions(id, Body::of(m), &mut out);
         let faces = [mesh.triangles.len(), 3];
         out.push(Entry::fixed(format!("{id}.faces"), &faces, Fixed::Faces(m)));
-        if !matches!(mesh.normals, Normals::Flat) {
-            out.push(Entry::fixed(
-                format!("{id}.vertex_normals"),
-                &vertices,
-                Fixed::Normals(m),
-            ));
+        let normals = format!("{id}.vertex_normals");
+        let mut entry = match mesh.normals {
+            Normals::Flat => None,
+            Normals::Given(_) => Some(Entry::of(normals, &vertices, Target::VertexNormals(m))),
+            Normals::Computed(_) => {
+                let mut entry = Entry::fixed(normals, &vertices, Fixed::Normals(m));
+                entry.refusal = Some("they are computed from the positions and follow these");
+                Some(entry)
+            }
+        };
+        if let Some(entry) = &mut entry {
+            entry.aliases.push(format!("{id}.normals"));
         }
+        out.extend(entry);
         if !mesh.uvs.is_empty() {
             let coordinates = [mesh.uvs.len(), 2];
-            out.push(Entry::fixed(
-                format!("{id}.vertex_texcoords"),
-                &coordinates,
-                Fixed::Uvs(m),
-            ));
+            let key = format!("{id}.vertex_texcoords");
+            let mut entry = Entry::fixed(key, &coordinates, Fixed::Uvs(m));
+            entry.aliases.push(format!("{id}.texcoords"));
+            out.push(entry);
         }
     }
     for instance in &scene.instances {
@@ -73,6 +79,8 @@ fn motions(id: &str, body: Body, out: &mut Vec<Entry>) {
     ] {
         out.push(Entry::of(format!("{id}.{name}"), &[count], target));
     }
+    let to_world = Target::ShapeToWorld(body);
+    out.push(Entry::of(format!("{id}.to_world"), &[4, 4], to_world));
 }
 
 fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
@@ -126,5 +134,7 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         let shape = [numbers.len()];
         out.push(Entry::numbers(format!("{id}.{name}"), &shape, numbers));
     }
-    out.push(Entry::numbers(format!("{id}.to_world"), &[4, 4], rows));
+    let mut to_world = Entry::numbers(format!("{id}.to_world"), &[4, 4], rows);
+    to_world.refusal = Some("its translation and rotation can be");
+    out.push(to_world);
 }

@@ -3,10 +3,11 @@
 use super::parameter::Parameter;
 use super::target::Target;
 use super::to_uv::{from_rows, rows};
+use super::to_world::from_matrix_rows;
 use crate::scene::data::{Body, DeltaLightKind, EnvironmentMap, Mesh, Normals, Rgb, Scene};
 use crate::scene::error::SceneError;
 use crate::scene::vertex_normals::vertex_normals;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// The point that rotations and scalings of meshes leave in place: their bounding-box centre.
@@ -62,6 +63,16 @@ impl MeshMotion {
     }
 
     fn move_mesh(&self, mesh: &mut Mesh) {
+        for turn in &self.turns {
+            let about = DAffine3::from_translation(turn.center);
+            let turned = DAffine3::from_scale_rotation_translation(
+                DVec3::splat(turn.scale),
+                rotation(turn.rotation),
+                DVec3::ZERO,
+            );
+            mesh.to_world = about * turned * about.inverse() * mesh.to_world;
+        }
+        mesh.to_world.translation += self.translation;
         for (i, position) in mesh.positions.iter_mut().enumerate() {
             let offset = self.offsets.get(i).copied().unwrap_or_default();
             let turns = self.turns.iter();
@@ -116,6 +127,14 @@ pub fn displace<V: AsRef<[f32]>>(
                 motion.offsets.resize(values.len() / 3, DVec3::ZERO);
                 for (offset, part) in motion.offsets.iter_mut().zip(values.chunks_exact(3)) {
                     *offset += DVec3::from_slice(part);
+                }
+            }
+            Target::VertexNormals(m) => shift_normals(&mut out.meshes[m], &values),
+            Target::ShapeToWorld(body) => {
+                let change = from_matrix_rows(&values);
+                for m in body.meshes() {
+                    let to = sum(scene.meshes[m].to_world, change);
+                    set_to_world(&mut out.meshes[m], to, &parameter.key)?;
                 }
             }
             Target::ShapeTranslation(body) => {
@@ -187,6 +206,49 @@ pub fn displace<V: AsRef<[f32]>>(
     Ok(out)
 }
 
+fn sum(a: DAffine3, b: DAffine3) -> DAffine3 {
+    DAffine3 {
+        matrix3: a.matrix3 + b.matrix3,
+        translation: a.translation + b.translation,
+    }
+}
+
+/// Puts a mesh where another matrix takes it. A mirror image is refused: its triangles would turn.
+fn set_to_world(mesh: &mut Mesh, to_world: DAffine3, key: &str) -> Result<(), SceneError> {
+    let before = mesh.to_world.matrix3.determinant();
+    let all = to_world * mesh.to_world.inverse();
+    if to_world.matrix3.determinant() * before <= 0.0 || !all.is_finite() {
+        let what = format!("{key}: this to_world flattens the shape, or makes it its mirror image");
+        return Err(SceneError::parameter(what));
+    }
+    let normal_matrix = all.matrix3.inverse().transpose();
+    for position in &mut mesh.positions {
+        *position = all.transform_point3(position.as_dvec3()).as_vec3();
+    }
+    match &mut mesh.normals {
+        Normals::Flat => {}
+        Normals::Given(normals) => {
+            for normal in normals {
+                let turned = (normal_matrix * normal.as_dvec3()).normalize_or_zero();
+                *normal = turned.as_vec3();
+            }
+        }
+        Normals::Computed(normals) => {
+            *normals = vertex_normals(&mesh.positions, &mesh.triangles);
+        }
+    }
+    mesh.to_world = to_world;
+    Ok(())
+}
+
+fn shift_normals(mesh: &mut Mesh, by: &[f64]) {
+    if let Normals::Given(normals) = &mut mesh.normals {
+        for (normal, by) in normals.iter_mut().zip(by.chunks_exact(3)) {
+            *normal = (normal.as_dvec3() + DVec3::from_slice(by)).as_vec3();
+        }
+    }
+}
+
 /// Adds three numbers, or one to all three.
 fn shift(texel: &mut Rgb, offset: &[f64]) {
     for (c, number) in texel.iter_mut().enumerate() {
@@ -248,6 +310,22 @@ pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result
             }
             // Recomputes the normals that follow the positions.
             motion.move_mesh(mesh);
+        }
+        Target::VertexNormals(m) => {
+            if let Normals::Given(normals) = &mut scene.meshes[m].normals {
+                for (normal, value) in normals.iter_mut().zip(values.chunks_exact(3)) {
+                    *normal = glam::Vec3::from_slice(value);
+                }
+            }
+        }
+        Target::ShapeToWorld(body) => {
+            let rows: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+            if rows[12..] != [0.0, 0.0, 0.0, 1.0] {
+                return refuse("the last row is 0, 0, 0, 1");
+            }
+            for mesh in &mut scene.meshes[body.meshes()] {
+                set_to_world(mesh, from_matrix_rows(&rows), &parameter.key)?;
+            }
         }
         Target::ShapeTranslation(body) => {
             motion.translation = first;

@@ -7,6 +7,11 @@ use crate::scene::data::{Body, Bsdf, Scene};
 pub enum Target {
     /// All vertices of a mesh, world units.
     VertexPositions(usize),
+    /// The vertex normals of a mesh that are data of their own.
+    VertexNormals(usize),
+    /// The first three rows of what takes a shape's own space to the world, and a last one that
+    /// stays (0, 0, 0, 1).
+    ShapeToWorld(Body),
     /// A rigid translation of a shape, world units.
     ShapeTranslation(Body),
     /// A rotation of a shape: radians about the world axes through its bounding-box centre.
