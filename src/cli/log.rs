@@ -57,7 +57,13 @@ impl Log {
 
     /// Why it did not work.
     pub fn error(&self, text: &str) {
-        self.line("error", "\x1b[1;31m", text);
+        if self.json {
+            return self.line("error", "", text);
+        }
+        // A scene can have several.
+        for one in text.lines() {
+            self.line("error", "\x1b[1;31m", one);
+        }
     }
 
     /// A JSON line of any other kind.

@@ -42,7 +42,8 @@ pub fn backward(
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
     let scene = prepared.scene;
-    refusals::check(scene, request, settings.method)?;
+    let sensor = &scene.sensors[settings.sensor];
+    refusals::check(scene, request, sensor, settings.method)?;
     let Evaluation {
         loss,
         mut adjoint,

@@ -27,10 +27,11 @@ impl Edits {
     /// Notes that the numbers behind `target` have changed.
     pub fn mark(&mut self, target: Target) {
         match target {
-            Target::VertexPositions(mesh)
-            | Target::ShapeTranslation(mesh)
-            | Target::ShapeRotation(mesh)
-            | Target::ShapeScale(mesh) => self.moved[mesh] = true,
+            Target::VertexPositions(mesh) | Target::VertexNormals(mesh) => self.moved[mesh] = true,
+            Target::ShapeTranslation(body)
+            | Target::ShapeToWorld(body)
+            | Target::ShapeRotation(body)
+            | Target::ShapeScale(body) => self.moved[body.meshes()].fill(true),
             Target::Texels(texture) | Target::Texel { texture, .. } | Target::ToUv(texture) => {
                 self.textures[texture] = true
             }

@@ -5,12 +5,13 @@ use super::estimators::{Discontinuity, Method};
 use crate::boundary::edges::intersections;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::scene_view::SceneView;
-use crate::scene::{Bsdf, Scene, SceneDifferential};
+use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 pub fn check(
     scene: &Scene,
     request: &SceneDifferential,
+    sensor: &Sensor,
     method: Method,
 ) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
@@ -28,8 +29,27 @@ pub fn check(
     {
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
-    if !request.moves_geometry() && !request.refraction_moves(scene) {
+    let moves = request.moves_geometry() || request.refraction_moves(scene);
+    if moves || request.delta_lights.iter().any(Option::is_some) {
+        for light in &scene.delta_lights {
+            if let Some(what) = beam_edge(scene, light) {
+                return refuse(what);
+            }
+        }
+    }
+    if !moves {
         return Ok(());
+    }
+    let kind = match sensor.lens {
+        Lens::Pinhole => None,
+        Lens::Thin { .. } => Some("through a lens with an aperture"),
+        Lens::Parallel { .. } => Some("by a parallel projection"),
+    };
+    if let Some(kind) = kind {
+        return refuse(format!(
+            "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+            sensor.id
+        ));
     }
     let used = || {
         let used = scene.meshes.iter().map(|m| m.material);
@@ -106,6 +126,34 @@ pub fn check_geometry(
         )));
     }
     Ok(())
+}
+
+/// Why the light of a beam has an edge on what it falls on, which nobody looks for.
+fn beam_edge(scene: &Scene, light: &DeltaLight) -> Option<String> {
+    let jumps = |t: usize| match scene.textures[t].layout {
+        Layout::Constant => false,
+        Layout::Checkerboard { .. } => true,
+        Layout::Bitmap { bilinear, .. } => !bilinear,
+    };
+    let why = match light.beam?.profile {
+        BeamProfile::Projector { .. } => "what a projector shows ends at the picture's border",
+        BeamProfile::Spot {
+            beam_width_rad,
+            cutoff_rad,
+            ..
+        } if beam_width_rad >= cutoff_rad => {
+            "the beam ends at its cutoff; give it a \"beam_width\" smaller than \"cutoff_angle\""
+        }
+        BeamProfile::Spot {
+            texture: Some(texture),
+            ..
+        } if jumps(texture) => "its texture jumps; take a bitmap with a bilinear filter",
+        BeamProfile::Spot { .. } => return None,
+    };
+    Some(format!(
+        "{}: {why}, and the motion of such edges is not followed, so gradients by what moves would be wrong",
+        light.key
+    ))
 }
 
 fn sharp_shadows(light: &str) -> String {

@@ -52,6 +52,8 @@ impl Pair {
 pub enum Single {
     /// How far a tile's lattice is shifted: axis.
     LatticeShift,
+    /// Where a camera ray leaves the lens: sample, axis.
+    LensPoint,
     /// Where a point of the pilot lies that says with what the film drifts: node, point, axis.
     DriftPoint,
     /// Where a line of the pilot lies that looks for crowds on the film: block, line, axis.

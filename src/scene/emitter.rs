@@ -115,10 +115,15 @@ pub(super) fn delta_light<'a>(
         }
     };
     let power = slots(input, textures, object, &key).texture(power, [1.0; 3], POSITIVE)?;
-    Ok(DeltaLight { key, kind, power })
+    Ok(DeltaLight {
+        key,
+        kind,
+        power,
+        beam: None,
+    })
 }
 
-fn slots<'r, 'a>(
+pub(super) fn slots<'r, 'a>(
     input: &'r mut Input<'a>,
     textures: &'r mut Textures,
     object: &'a Object,

@@ -3,8 +3,8 @@
 use super::shapes::{Shape, icosphere};
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3, vec3};
 use warpath::scene::{
-    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Material, Mesh, Normals, Rgb, Scene,
-    Sensor, Texture, vertex_normals,
+    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Lens, Material, Mesh, Normals, Rgb,
+    Scene, Sensor, Texture, vertex_normals,
 };
 
 pub const BOX: Filter = Filter::Box { radius: 0.5 };
@@ -26,6 +26,7 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
         sample_border: true,
     };
     let sensor = Sensor {
+        lens: Lens::Pinhole,
         id: "cam".into(),
         to_world: Affine3A::from_mat3_translation(axes, from),
         x_fov_rad: x_fov_deg.to_radians(),
@@ -42,6 +43,7 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
         textures: Vec::new(),
         area_lights: Vec::new(),
         delta_lights: Vec::new(),
+        instances: Vec::new(),
         environment: None,
         sensors: vec![sensor],
         integrator: Integrator {
@@ -98,6 +100,7 @@ fn add(
         uvs: Vec::new(),
         material: scene.materials.len() - 1,
         area_light: None,
+        to_world: glam::DAffine3::IDENTITY,
     });
 }
 

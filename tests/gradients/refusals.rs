@@ -43,6 +43,7 @@ fn lamp(kind: DeltaLightKind) -> Scene {
         key: "bulb".into(),
         kind,
         power: scene.textures.len() - 1,
+        beam: None,
     });
     scene
 }

@@ -137,6 +137,7 @@ fn delta_light(mut scene: Scene, kind: DeltaLightKind) -> Scene {
         key: "bulb".into(),
         kind,
         power: scene.textures.len(),
+        beam: None,
     });
     let power = Texture::constant("bulb.power".into(), [2.0, 1.5, 1.0]);
     scene.textures.push(power);

@@ -3,10 +3,10 @@
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use glam::{Vec3, vec3};
+use glam::{Mat3, Vec3, vec2, vec3};
 use warpath::methods::Method;
 use warpath::scene::Distribution::{Beckmann, Ggx};
-use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
+use warpath::scene::{Beam, BeamProfile, DeltaLight, DeltaLightKind, Scene, Texture};
 
 /// A black lamp out of sight, whose own colour does not matter, and the colours that have been
 /// painted over.
@@ -56,11 +56,68 @@ fn with_a_bulb(mut scene: Scene) -> Scene {
             position: vec3(0.8, -0.9, 1.6),
         },
         power: scene.textures.len(),
+        beam: None,
     });
     scene
         .textures
         .push(Texture::constant("bulb.intensity".into(), [2.0, 1.5, 1.0]));
     scene
+}
+
+/// With a spot that has a picture, and a projector.
+fn with_beams(mut scene: Scene) -> Scene {
+    let picture = scene.clone().picture("floor").textures.pop().expect("one");
+    let slide = scene.textures.len();
+    for key in ["slide", "projector.irradiance"] {
+        let key = key.to_string();
+        scene.textures.push(Texture {
+            key,
+            ..picture.clone()
+        });
+    }
+    let to_local = |x: f32, y: f32| Mat3::from_rotation_y(y) * Mat3::from_rotation_x(x);
+    let spot = BeamProfile::Spot {
+        beam_width_rad: 0.2,
+        cutoff_rad: 0.8,
+        texture: Some(slide),
+    };
+    let turned = to_local(2.9, 0.2);
+    let projector = BeamProfile::Projector {
+        half_tangents: vec2(0.5, 0.4),
+        scale: 0.7,
+        axis: turned.transpose() * Vec3::Z,
+    };
+    for (key, position, to_local, profile, power) in [
+        (
+            "spot",
+            vec3(-0.6, -0.9, 1.8),
+            to_local(3.0, -0.1),
+            spot,
+            slide + 2,
+        ),
+        (
+            "projector",
+            vec3(0.3, -0.4, 2.1),
+            turned,
+            projector,
+            slide + 1,
+        ),
+    ] {
+        scene.delta_lights.push(DeltaLight {
+            key: key.into(),
+            kind: DeltaLightKind::Point { position },
+            power,
+            beam: Some(Beam { to_local, profile }),
+        });
+    }
+    let power = Texture::constant("spot.intensity".into(), [3.0, 2.5, 4.0]);
+    scene.textures.push(power);
+    scene
+}
+
+#[test]
+fn interior_in_beams() {
+    transposed(&with_beams(materials(3, Some(0.2))), Method::Interior, IDLE);
 }
 
 #[test]

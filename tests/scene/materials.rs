@@ -114,4 +114,5 @@ scenes! {
     plastic roughplastic null
     textures textured_roughness textured_light
     envmap delta_lights normals
+    beams orthographic thinlens instances
 }

@@ -15,7 +15,7 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::texture::Lookup;
-use crate::scene::Rgb;
+use crate::scene::{Lens, Rgb};
 
 pub(crate) type D = Dual<Lane>;
 
@@ -85,9 +85,15 @@ impl<'a> ForwardSweep<'a> {
             direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
             throughput: V3::splat(1.0),
         };
+        let path = store.path(packet);
+        if self.view.camera.lens != Lens::Pinhole {
+            // Such a camera stands still.
+            chain.origin = dual_vector(path[0].origin, V3::splat(0.0));
+            chain.direction = dual_vector(path[0].direction, V3::splat(0.0));
+        }
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingVertex> = None;
-        for vertices in store.path(packet) {
+        for vertices in path {
             let (contribution, here) = self.vertex(store, vertices, &mut chain, previous.as_ref());
             sum = sum + contribution;
             previous = here;

@@ -2,6 +2,7 @@
 
 use crate::lanes::{LANES, Lane};
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
 use crate::paths::film::filter::{Block, FilmFilter, Taps};
 use crate::paths::film::lattice::{LatticeImage, Tile};
@@ -60,10 +61,17 @@ impl TracedTile {
             if !keep {
                 store.forget_paths();
             }
-            let direction = view.camera.direction(packet.u, packet.v);
-            let rays = view.camera.rays(direction, packet.active);
-            let index =
+            let index: [u32; LANES] =
                 std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
+            let lens_point = |lane: usize| {
+                let number = |axis| {
+                    tile.stream
+                        .single(Single::LensPoint, [index[lane], axis, 0])
+                };
+                [number(0), number(1)]
+            };
+            let camera = &view.camera;
+            let rays = camera.rays_through(packet.u, packet.v, packet.active, lens_point);
             let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));
             integrator.trace_from_camera(rays, drifts, &tile.stream, &index, &mut store);
             let path = store.path(store.depths.len() - 2);

@@ -3,13 +3,13 @@
 use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, Real, V3};
+use crate::paths::light::beam::power_toward;
 use crate::paths::rays::{RayPacket, SHADOW_FAR, lane_mask, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::vertex::Surface;
 use crate::scene::{DeltaLight, DeltaLightKind};
-use glam::Vec3;
 
 impl SceneView<'_> {
     /// Looks at every delta light.
@@ -72,7 +72,7 @@ impl SceneView<'_> {
                 );
                 brings = V3::select(is_glass, sent * falloff, brings);
             }
-            let power = splat(Vec3::from(self.scene.constant(light.power)));
+            let power = power_toward(&self.scene.textures, light, -w);
             sum = sum + masked(seen, brings.times(power));
         }
         sum

@@ -6,10 +6,12 @@ mod mesh;
 mod sensor;
 mod texture;
 
-pub use light::{AreaLight, DeltaLight, DeltaLightKind, Environment, EnvironmentMap};
+pub use light::{
+    AreaLight, Beam, BeamProfile, DeltaLight, DeltaLightKind, Environment, EnvironmentMap,
+};
 pub use material::{Bsdf, Distribution, Material, Microfacets};
-pub use mesh::{Mesh, Normals};
-pub use sensor::{Film, Filter, Sensor};
+pub use mesh::{Body, Mesh, Normals};
+pub use sensor::{Film, Filter, Lens, Sensor};
 pub use texture::{Layout, Rgb, Texture, Wrap};
 
 /// A loaded scene. Indices (`material`, `emitter`) point into its own vectors.
@@ -17,6 +19,8 @@ pub use texture::{Layout, Rgb, Texture, Wrap};
 pub struct Scene {
     /// Shapes in the order of the file.
     pub meshes: Vec<Mesh>,
+    /// Instances of several shapes, which move as one.
+    pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     /// Everything that has a colour: slots of materials and emitters point here.
     pub textures: Vec<Texture>,
@@ -33,6 +37,13 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// FNV-1a 64 of every file read, after substitution, in reading order.
     pub hash: u64,
+}
+
+/// An instance of a group of several shapes. One of a single shape is nothing but a mesh.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    pub id: String,
+    pub body: Body,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -34,6 +34,9 @@ impl Materials {
     ) -> Result<usize, SceneError> {
         let tree = input.tree;
         let object = &tree.objects[index];
+        if !object.is_supported {
+            return Err(object.error("this bsdf is not supported"));
+        }
         let two_sided = object.plugin == "twosided";
         let inner = inner(tree, index)?;
         if let Some(&material) = self.by_use.get(&(inner, two_sided)) {
@@ -78,6 +81,16 @@ impl Materials {
             self.bsdf(input, textures, index, key)?;
         }
         Ok(())
+    }
+
+    /// In place of a bsdf that cannot be read, when parameters are listed: one without any.
+    pub fn unknown(&mut self, key: &str) -> usize {
+        self.list.push(Material {
+            key: key.to_string(),
+            bsdf: Bsdf::Null,
+            two_sided: false,
+        });
+        self.list.len() - 1
     }
 
     /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.

@@ -3,7 +3,7 @@
 use super::entry::Entry;
 use super::target::Target;
 use super::to_uv::rows;
-use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Scene};
+use crate::scene::data::{BeamProfile, Bsdf, DeltaLightKind, Layout, Scene};
 use glam::Affine2;
 use std::collections::HashSet;
 
@@ -169,6 +169,30 @@ impl<'s> Slots<'s> {
             }
         }
         self.texture(light.power, out);
+        let mut fixed = |name: &str, number: f32, why| {
+            let mut entry = Entry::numbers(format!("{key}.{name}"), &[1], vec![f64::from(number)]);
+            entry.refusal = Some(why);
+            out.push(entry);
+        };
+        match light.beam.map(|b| b.profile) {
+            Some(BeamProfile::Spot {
+                beam_width_rad,
+                cutoff_rad,
+                texture,
+            }) => {
+                let why = "the derivative by the width of a beam is not implemented";
+                fixed("cutoff_angle", cutoff_rad.to_degrees(), why);
+                fixed("beam_width", beam_width_rad.to_degrees(), why);
+                if let Some(texture) = texture {
+                    self.texture(texture, out);
+                }
+            }
+            Some(BeamProfile::Projector { scale, .. }) => {
+                let why = "what it multiplies can be: ask for the irradiance";
+                fixed("scale", scale, why);
+            }
+            None => {}
+        }
     }
 
     /// Radiance, and what moves an environment map.

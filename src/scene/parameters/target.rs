@@ -1,18 +1,23 @@
 //! What a parameter stands for in the scene.
 
-use crate::scene::data::{Bsdf, Scene};
+use crate::scene::data::{Body, Bsdf, Scene};
 
 /// What a differentiable parameter stands for. Indices are into the vectors of [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
     /// All vertices of a mesh, world units.
     VertexPositions(usize),
-    /// A rigid translation of a mesh, world units.
-    ShapeTranslation(usize),
-    /// A rotation of a mesh: radians about the world axes through its bounding-box centre.
-    ShapeRotation(usize),
-    /// A factor on the distances from the mesh's bounding-box centre; 1 at present.
-    ShapeScale(usize),
+    /// The vertex normals of a mesh that are data of their own.
+    VertexNormals(usize),
+    /// The first three rows of what takes a shape's own space to the world, and a last one that
+    /// stays (0, 0, 0, 1).
+    ShapeToWorld(Body),
+    /// A rigid translation of a shape, world units.
+    ShapeTranslation(Body),
+    /// A rotation of a shape: radians about the world axes through its bounding-box centre.
+    ShapeRotation(Body),
+    /// A factor on the distances from the shape's bounding-box centre; 1 at present.
+    ShapeScale(Body),
     /// A translation of a sensor, world units.
     SensorTranslation(usize),
     /// A rotation of a sensor: radians about the world axes through its position.

@@ -51,6 +51,8 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
 #[derive(Default)]
 pub(super) struct Textures {
     pub list: Vec<Texture>,
+    /// Of what was taken as it is, though it should be otherwise.
+    pub remarks: Vec<String>,
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
 }
@@ -73,6 +75,9 @@ impl Textures {
         place: &Place,
     ) -> Result<usize, SceneError> {
         if let Some(&known) = self.by_object.get(&index) {
+            let mut bright = self.list[known].clone();
+            bright.limits = kind.limits;
+            self.take_bright(&mut bright, place);
             let texture = &mut self.list[known];
             if texture.channels != kind.channels {
                 let what =
@@ -81,7 +86,7 @@ impl Textures {
             }
             texture.limits = [
                 texture.limits[0].max(kind.limits[0]),
-                texture.limits[1].min(kind.limits[1]),
+                texture.limits[1].min(bright.limits[1]),
             ];
             check(texture, place)?;
             return Ok(known);
@@ -97,10 +102,27 @@ impl Textures {
         if kind.channels == 1 {
             raise(&mut texture);
         }
+        self.take_bright(&mut texture, place);
         check(&texture, place)?;
         let texture = self.push(texture);
         self.by_object.insert(index, texture);
         Ok(texture)
+    }
+
+    /// Pictures of reflectances may exceed one, as Mitsuba lets them.
+    fn take_bright(&mut self, texture: &mut Texture, place: &Place) {
+        if !matches!(texture.layout, Layout::Bitmap { .. }) || texture.limits != REFLECTANCE.limits
+        {
+            return;
+        }
+        let all = texture.texels.iter().flatten().copied();
+        let brightest = all.fold(0.0, f32::max);
+        if brightest > texture.limits[1] && brightest.is_finite() {
+            texture.limits[1] = brightest;
+            self.remarks.push(format!(
+                "{place}: the picture has reflectances up to {brightest}: surfaces reflect more light than they get"
+            ));
+        }
     }
 
     /// A texture element of the scene that no slot uses: it is listed, and its errors are found.

@@ -21,6 +21,7 @@ fn beam(mut scene: Scene, w: DVec3) -> Scene {
             direction: -w.as_vec3(),
         },
         power: scene.textures.len(),
+        beam: None,
     });
     let power = Texture::constant("sun.irradiance".into(), [1.0; 3]);
     scene.textures.push(power);
