@@ -92,6 +92,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
+            Discontinuity::SharpShadow,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),

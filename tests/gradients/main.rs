@@ -6,6 +6,7 @@ mod analytic_shadow;
 mod black;
 mod determinism;
 mod finite_differences;
+mod finite_differences_delta;
 mod finite_differences_foliage;
 mod finite_differences_indirect;
 mod finite_differences_materials;

@@ -76,6 +76,7 @@ impl LobeSearch<'_> {
         }
         self.out.samples.push(BoundarySample {
             boundary,
+            shadow: None,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: radiance.as_vec3().to_array(),
