@@ -20,7 +20,7 @@ pub const NEAREST: f64 = 2e-6;
 /// wanted for the shadow's other end.
 const BISECTIONS: u32 = 16;
 /// Occluders behind one another that are followed before a cell is given up.
-const MAX_OCCLUDERS: usize = 64;
+pub const MAX_OCCLUDERS: usize = 64;
 
 /// From acute edges of bodies with shading normals they keep this many times the distance from
 /// surfaces at which rays start, but not more than this fraction. Shading normals send rays into a

@@ -100,6 +100,7 @@ pub const ESTIMATORS: [Estimator; 4] = [
             Discontinuity::SoftShadow,
             Discontinuity::Intersection,
             Discontinuity::TextureEdge,
+            Discontinuity::SharpShadow,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),

@@ -92,9 +92,9 @@ impl SceneView<'_> {
             sample.weight = keep(between.count(sample.direction), sample.weight);
         }
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
-        let seen = &mut store.delta_visible[from..to];
-        for (light, seen) in self.scene.delta_lights.iter().zip(seen) {
-            *seen &= between.count(toward(light, surface.x).0);
+        let sights = &mut store.delta_visible[from..to];
+        for (light, sight) in self.scene.delta_lights.iter().zip(sights) {
+            sight.seen &= between.count(toward(light, surface.x).0);
         }
     }
 }

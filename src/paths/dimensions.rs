@@ -60,6 +60,9 @@ pub enum Single {
     CrowdLine,
     /// Which of several edges in a cell of the film: cell.
     FilmEdge,
+    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides: cell,
+    /// light.
+    FilmShadow,
     /// Which family of lines over the environment map, for a packet: index, depth.
     EnvironmentFamily,
     /// Which family of lines over diffuse lobes, for a packet: index, depth.

@@ -63,7 +63,7 @@ pub struct Vertices {
     pub line_survival: Lane,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],
-    /// Lanes that see each delta light, likewise.
+    /// Which lanes see each delta light, likewise.
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
     pub environment: [u32; 2],
@@ -80,6 +80,14 @@ pub struct EnvironmentSample {
     pub irradiance: Lane,
     /// π times the BSDF toward it.
     pub value: V3<Lane>,
+}
+
+/// Whether a delta light is seen, a bit a lane. Of lanes that it cannot light neither is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DeltaSight {
+    pub seen: u32,
+    /// Something stands before it.
+    pub hidden: u32,
 }
 
 /// The lobe that was drawn, a bit a lane.
@@ -190,8 +198,8 @@ pub struct TileStore {
     /// Vertices by packet and depth: packet p's are `vertices[depths[p]..depths[p + 1]]`.
     pub vertices: Vec<Vertices>,
     pub depths: Vec<u32>,
-    /// Lanes that see a delta light: for each vertex one entry a light.
-    pub delta_visible: Vec<u32>,
+    /// Which lanes see each delta light: for each vertex one entry a light.
+    pub delta_visible: Vec<DeltaSight>,
     pub environment_samples: Vec<EnvironmentSample>,
     /// What jumps in the vertices' integrals, and then what jumps on the film.
     pub found: Found,
@@ -235,8 +243,8 @@ impl TileStore {
         &self.found.samples[self.vertex_samples..]
     }
 
-    /// The lanes of a vertex that see each delta light.
-    pub fn delta_visible(&self, vertices: &Vertices) -> &[u32] {
+    /// Which lanes of a vertex see each delta light.
+    pub fn delta_visible(&self, vertices: &Vertices) -> &[DeltaSight] {
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
         &self.delta_visible[from..to]
     }

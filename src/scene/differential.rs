@@ -75,7 +75,10 @@ impl SceneDifferential {
 
     /// Whether anything moves edges that something may see.
     pub fn moves_edges(&self, scene: &Scene) -> bool {
-        self.moves_geometry() || self.refraction_moves(scene) || self.turns_environment(scene)
+        self.moves_geometry()
+            || self.refraction_moves(scene)
+            || self.turns_environment(scene)
+            || self.delta_lights.iter().any(Option::is_some)
     }
 
     /// Makes room (zeros) for the texels of a texture.

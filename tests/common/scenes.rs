@@ -3,8 +3,8 @@
 use super::shapes::{Shape, icosphere};
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3, vec3};
 use warpath::scene::{
-    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Lens, Material, Mesh, Normals, Rgb,
-    Scene, Sensor, Texture, vertex_normals,
+    AreaLight, Bsdf, DeltaLight, DeltaLightKind, Environment, Film, Filter, Integrator, Lens,
+    Material, Mesh, Normals, Rgb, Scene, Sensor, Texture, vertex_normals,
 };
 
 pub const BOX: Filter = Filter::Box { radius: 0.5 };
@@ -68,6 +68,8 @@ pub trait Build: Sized {
     fn smooth(self, id: &str, shape: Shape, reflectance: Rgb) -> Self;
     /// The same with these normals, data of their own.
     fn with_normals(self, id: &str, shape: Shape, normals: Vec<Vec3>, reflectance: Rgb) -> Self;
+    /// A point or a directional light.
+    fn delta_light(self, key: &str, kind: DeltaLightKind, power: Rgb) -> Self;
     /// A black mesh that shines to its front.
     fn light(self, id: &str, shape: Shape, radiance: Rgb) -> Self;
 }
@@ -148,6 +150,21 @@ impl Build for Scene {
         reflectance: Rgb,
     ) -> Self {
         add(&mut self, id, shape, Normals::Given(normals), reflectance);
+        self
+    }
+
+    fn delta_light(mut self, key: &str, kind: DeltaLightKind, power: Rgb) -> Self {
+        let name = match kind {
+            DeltaLightKind::Point { .. } => "intensity",
+            DeltaLightKind::Directional { .. } => "irradiance",
+        };
+        let power = texture(&mut self, Texture::constant(format!("{key}.{name}"), power));
+        self.delta_lights.push(DeltaLight {
+            key: key.into(),
+            kind,
+            power,
+            beam: None,
+        });
         self
     }
 

@@ -7,6 +7,7 @@ mod black;
 mod determinism;
 mod edges;
 mod finite_differences;
+mod finite_differences_delta;
 mod finite_differences_foliage;
 mod finite_differences_indirect;
 mod finite_differences_materials;

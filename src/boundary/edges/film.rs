@@ -229,6 +229,7 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                         lane: 0,
                         at: Coordinate::Film(point.at.to_array()),
                         weight: brings.as_vec3().to_array(),
+                        shadow: None,
                     });
                 }
             }

@@ -192,6 +192,7 @@ fn push(
             lane: lane as u8,
             at: place,
             weight: brings.as_vec3().to_array(),
+            shadow: None,
         });
     }
 }

@@ -164,6 +164,7 @@ fn push(
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: brings.as_vec3().to_array(),
+            shadow: None,
         });
     }
 }

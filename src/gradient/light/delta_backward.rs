@@ -27,9 +27,10 @@ impl BackwardSweep<'_> {
         sums: &mut TileSums,
     ) {
         let scene = self.view.scene;
-        let seen = store.delta_visible(here.vertices);
+        let sights = store.delta_visible(here.vertices);
         let glass = here.vertices.kinds.rough_glass();
-        for ((i, light), &seen) in scene.delta_lights.iter().enumerate().zip(seen) {
+        for ((i, light), sight) in scene.delta_lights.iter().enumerate().zip(sights) {
+            let seen = sight.seen;
             for (bits, is_glass) in [(seen & !glass, false), (seen & glass, true)] {
                 if bits == 0 {
                     continue;

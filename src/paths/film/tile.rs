@@ -56,7 +56,12 @@ impl TracedTile {
         let mut image = LatticeImage {
             triangle: vec![NO_TRIANGLE; columns * rows],
             radiance: vec![[0.0; 3]; columns * rows],
+            hidden: Vec::new(),
         };
+        if estimator.closes_lattice() {
+            let lights = view.scene.delta_lights.len();
+            image.hidden = vec![vec![false; columns * rows]; lights];
+        }
         for packet in packets(&tile, estimator.closes_lattice()) {
             if !keep {
                 store.forget_paths();
@@ -79,6 +84,10 @@ impl TracedTile {
             for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
                 let at = packet.row * columns + packet.column + lane;
                 image.triangle[at] = path[0].triangle[lane];
+                let sights = store.delta_visible(&path[0]);
+                for (hidden, sight) in image.hidden.iter_mut().zip(sights) {
+                    hidden[at] = sight.hidden >> lane & 1 == 1;
+                }
                 if radiance[lane].iter().all(|c| c.is_finite()) {
                     image.radiance[at] = radiance[lane];
                 } else {

@@ -4,4 +4,5 @@ pub mod cell;
 pub mod crowds;
 pub mod drift;
 pub mod search;
+pub mod shadows;
 pub mod weights;

@@ -4,4 +4,5 @@ pub mod families;
 pub mod line;
 pub mod packet;
 pub mod search;
+mod shadows;
 pub mod vertex;

@@ -136,7 +136,8 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         Line::lobe(&at, family, number(Single::LobePlace, 0), jitter)
     };
     let Some(line) = line else { return };
-    if !search.moves(lane, &line, &at) {
+    let sees_silhouettes = search.moves(lane, &line, &at);
+    if !sees_silhouettes && !search.has_sharp_shadows() {
         return;
     }
     // All that looks along a line shares its random numbers: what is seen on the inner sides of a
@@ -145,6 +146,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         lane,
         weight,
         is_narrow,
+        sees_silhouettes,
         index,
         stream: &here.numbers.stream.branch(Branch::LobeProbe, [depth, 0, 0]),
     };
@@ -171,5 +173,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     for part in &parts {
         search::on_part(search, &mut at, &way, part);
     }
-    search::on_own_plane(search, &mut at, &way, [&before, &beyond], psi);
+    if sees_silhouettes {
+        search::on_own_plane(search, &mut at, &way, [&before, &beyond], psi);
+    }
 }
