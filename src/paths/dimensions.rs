@@ -70,6 +70,8 @@ pub enum Single {
     LobeLane,
     /// Which of several edges in a cell of a line over a lobe: index, depth, cell.
     LobeEdge,
+    /// Which of the materials that a surface is made of a path meets: index, depth.
+    Choice,
 }
 
 /// Streams of their own, with what tells several of them apart.

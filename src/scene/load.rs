@@ -156,7 +156,7 @@ impl<'a> Loader<'a> {
                     .add_default(&mut self.textures, &bsdf_key, emits)
             }
         };
-        let mut textures = self.materials.list[material].bsdf.textures();
+        let mut textures = self.materials.textures(material);
         let mut area_light = None;
         if let Some(child) = parts.emitter {
             if !self.met.insert(child.object) {

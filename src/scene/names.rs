@@ -63,6 +63,8 @@ fn class_name(object: &Object) -> &'static str {
         ("bsdf", "plastic") => "SmoothPlastic",
         ("bsdf", "roughplastic") => "RoughPlastic",
         ("bsdf", "null") => "Null",
+        ("bsdf", "mask") => "MaskBSDF",
+        ("bsdf", "blendbsdf") => "BlendBSDF",
         ("bsdf", _) => "SmoothDiffuse",
         ("texture", "checkerboard") => "Checkerboard",
         ("texture", _) => "BitmapTexture",

@@ -77,6 +77,8 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
 fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "diffuse" => &["reflectance"],
+        "mask" => &["opacity"],
+        "blendbsdf" => &["weight"],
         "conductor" => &["material", "eta", "k", "specular_reflectance"],
         "roughconductor" => &[
             "material",

@@ -14,7 +14,7 @@ pub struct Pattern {
 impl Pattern {
     /// `None` for a mesh without pictures.
     pub fn of(scene: &Scene, mesh: &Mesh) -> Option<Self> {
-        let mut textures: Vec<usize> = scene.materials[mesh.material].bsdf.textures();
+        let mut textures: Vec<usize> = scene.textures_of(mesh.material);
         textures.extend(mesh.area_light.map(|l| scene.area_lights[l].radiance));
         textures.sort_unstable();
         textures.dedup();

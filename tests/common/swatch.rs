@@ -191,7 +191,7 @@ pub fn with_facets(mut scene: Scene, distribution: Option<Distribution>) -> Scen
             *microfacets = microfacets
                 .and_then(|m| distribution.map(|distribution| Microfacets { distribution, ..m }));
         }
-        Bsdf::Diffuse { .. } | Bsdf::Null => {}
+        _ => {}
     }
     scene
 }

@@ -88,8 +88,8 @@ impl BackwardSweep<'_> {
         let emitted = self.view.emission(vertices);
         let seen = bits & !vertices.sampled;
         let weighted = radiance_bar * weight;
-        bars.throughput = bars.throughput + masked(seen, weighted.times(emitted));
-        let mut emitted_bar = masked(seen, weighted.times(vertices.throughput));
+        bars.arriving = bars.arriving + masked(seen, weighted.times(emitted));
+        let mut emitted_bar = masked(seen, weighted.times(vertices.arriving_throughput()));
         let sampled = bits & vertices.sampled;
         if let (Some(from), true) = (before, sampled != 0) {
             let weighted = masked(sampled, weighted);

@@ -71,6 +71,8 @@ pub(crate) struct VertexBars {
     /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
     pub direction: V3<Lane>,
     pub throughput: V3<Lane>,
+    /// Of the path's weight before the choice among materials.
+    pub arriving: V3<Lane>,
     pub interface: Interface<Lane>,
     /// Of the barycentrics.
     pub b: [Lane; 2],
@@ -84,6 +86,7 @@ impl VertexBars {
             n: none,
             direction: none,
             throughput: none,
+            arriving: none,
             interface: Interface {
                 reflectance: none,
                 second_reflectance: none,
@@ -208,7 +211,8 @@ impl BackwardSweep<'_> {
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
         self.slots(here, &mut bars, sums);
-        back.throughput = back.throughput + masked(vertices.hit, bars.throughput);
+        self.choice(here, &mut bars, sums);
+        back.throughput = back.throughput + masked(vertices.hit, bars.arriving);
         if self.wanted.attached() {
             self.surface(here, &bars, &mut back, sums);
         }
@@ -324,8 +328,7 @@ impl BackwardSweep<'_> {
         let lanes = vertices.hit & !vertices.kinds.black;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
             let slot_bars = slot_values(&bars.interface, lane);
-            let (triangle, at) = (vertices.triangle[lane], [b1[lane], b2[lane]]);
-            view.for_each_slot(triangle, at, |s| {
+            view.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
                 let bar = slot_bars[s.slot];
                 sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
                 for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
@@ -333,6 +336,28 @@ impl BackwardSweep<'_> {
                 }
             });
         }
+        bars.b = b_bar.map(Lane::new);
+    }
+
+    /// From the path's weight after the choice among materials to that before, and to what says how
+    /// likely each is.
+    fn choice(&self, here: &Solved, bars: &mut VertexBars, sums: &mut TileSums) {
+        let vertices = here.vertices;
+        let Some(choice) = &vertices.choice else {
+            bars.arriving = bars.arriving + bars.throughput;
+            return;
+        };
+        let factors = self.view.choice_factors(vertices, choice, here.b);
+        bars.arriving = bars.arriving + bars.throughput * factors;
+        let factor_bar = bars.throughput.dot(choice.arriving).to_array();
+        let mut b_bar = bars.b.map(Lane::to_array);
+        self.view.for_each_choice(vertices, choice, here.b, |s| {
+            let bar = Vec3::X * (factor_bar[s.lane] * s.slope);
+            sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
+            for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
+                sum[s.lane] += by.dot(bar);
+            }
+        });
         bars.b = b_bar.map(Lane::new);
     }
 }

@@ -40,7 +40,7 @@ impl Arriving {
     fn follow(&mut self, vertices: &Vertices) {
         self.origin = dual_vector(vertices.origin, tangent_of(self.origin));
         self.direction = dual_vector(vertices.direction, tangent_of(self.direction));
-        self.throughput = dual_vector(vertices.throughput, tangent_of(self.throughput));
+        self.throughput = dual_vector(vertices.arriving_throughput(), tangent_of(self.throughput));
     }
 }
 
@@ -130,7 +130,7 @@ impl<'a> ForwardSweep<'a> {
         let (direction, weight) = self.bounce(&here);
         chain.origin = here.x;
         chain.direction = direction;
-        chain.throughput = chain.throughput.times(weight) * constant(vertices.survival);
+        chain.throughput = here.throughput.times(weight) * constant(vertices.survival);
         (sum, Some(here))
     }
 
@@ -164,6 +164,17 @@ impl<'a> ForwardSweep<'a> {
             diffuse_reflectance: dual_vector(vertices.diffuse_reflectance, V3::splat(0.0)),
             interface: None,
         };
+        if let Some(choice) = &vertices.choice {
+            let b = here.b.map(|b| b.value);
+            let db = here.b.map(|b| b.tangent);
+            let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+            let change = self.view.choice_change(vertices, choice, b, db, change);
+            let factor = Dual {
+                value: self.view.choice_factors(vertices, choice, b),
+                tangent: change,
+            };
+            here.throughput = chain.throughput * factor;
+        }
         if special != 0 || self.view.materials.any_texture || self.motion.colours {
             let interface = self.interface(&here);
             here.diffuse_reflectance = interface.reflectance;

@@ -24,13 +24,13 @@ pub struct SlotLookup {
 }
 
 impl SceneView<'_> {
-    /// The kinds of the surfaces in each lane; `facing` is ±1: whether their front is seen.
-    pub fn kinds(&self, triangle: &[u32; LANES], facing: Lane) -> Kinds {
+    /// The kinds of the surfaces in each lane.
+    pub fn kinds(&self, vertices: &Vertices) -> Kinds {
         let mut kinds = Kinds::default();
-        let facing = facing.to_array();
+        let triangle = &vertices.triangle;
+        let facing = vertices.facing.to_array();
         for lane in (0..LANES).filter(|&l| triangle[l] != NO_TRIANGLE) {
-            let mesh = self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
-            let entry = self.materials.of_mesh(self.scene, mesh);
+            let entry = self.entry(vertices, lane);
             let is_back = facing[lane] < 0.0;
             let bit = 1 << lane;
             let transmits = (entry.kinds.dielectric | entry.kinds.null) != 0;
@@ -59,9 +59,15 @@ impl SceneView<'_> {
 
     /// Calls `each` with every slot of a lane's material; `b` are the barycentrics of the second
     /// and third vertex.
-    pub fn for_each_slot(&self, triangle: u32, b: [f32; 2], mut each: impl FnMut(SlotLookup)) {
-        let mesh = self.geometry.mesh_of_triangle[triangle as usize] as usize;
-        let entry = self.materials.of_mesh(self.scene, mesh);
+    pub fn for_each_slot(
+        &self,
+        vertices: &Vertices,
+        lane: usize,
+        b: [f32; 2],
+        mut each: impl FnMut(SlotLookup),
+    ) {
+        let triangle = vertices.triangle[lane];
+        let entry = self.entry(vertices, lane);
         for (slot, &texture) in entry.slots.iter().enumerate() {
             if texture != NONE {
                 let texture = texture as usize;
@@ -89,7 +95,7 @@ impl SceneView<'_> {
         let (b1, b2) = (b1.to_array(), b2.to_array());
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
-                self.for_each_slot(triangle[lane], [b1[lane], b2[lane]], |s| {
+                self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
                     slots[s.slot][lane] = s.lookup.value
                 });
             }
@@ -113,7 +119,7 @@ impl SceneView<'_> {
         let [b1, b2, db1, db2] = [b1, b2, db1, db2].map(Lane::to_array);
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
-                self.for_each_slot(triangle[lane], [b1[lane], b2[lane]], |s| {
+                self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
                     let [by_b1, by_b2] = s.by_barycentric;
                     let mixed = change(s.texture, &s.lookup);
                     slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
@@ -131,9 +137,7 @@ impl SceneView<'_> {
         n: V3<Lane>,
         cos_out: Lane,
     ) -> RoughTransmission<Lane> {
-        let Vertices {
-            triangle, kinds, ..
-        } = vertices;
+        let kinds = &vertices.kinds;
         let rough = kinds.plastic & !kinds.smooth;
         if rough == 0 {
             return RoughTransmission::none();
@@ -144,9 +148,7 @@ impl SceneView<'_> {
         let mut inner = [[0.0; LANES]; 3];
         let (cos_in, cos_out) = (cos_in.to_array(), cos_out.to_array());
         for lane in (0..LANES).filter(|&l| rough >> l & 1 == 1) {
-            let mesh = self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
-            let entry = self.materials.of_mesh(self.scene, mesh);
-            let Some(table) = &entry.transmission else {
+            let Some(table) = &self.entry(vertices, lane).transmission else {
                 continue;
             };
             let put = |rows: &mut [[f32; LANES]], values: &[f32]| {

@@ -1,5 +1,6 @@
 //! The materials of a scene, prepared for lookups.
 
+use crate::paths::surface::choice::{Part, parts};
 use crate::paths::surface::kinds::Kinds;
 use crate::paths::surface::rough_transmission::TransmissionTable;
 use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
@@ -33,7 +34,12 @@ pub struct Entry {
 
 /// All materials of a scene, prepared.
 pub struct MaterialTable {
+    /// By number of the material, and at the end that of what is not there.
     entries: Vec<Entry>,
+    /// What each material is made of; empty for most, which are one thing.
+    parts: Vec<Vec<Part>>,
+    /// Whether any surface is made of several materials.
+    pub any_choice: bool,
     /// Whether any is more than diffuse.
     pub any_special: bool,
     /// Whether any reflectance, index or roughness is not constant.
@@ -44,7 +50,7 @@ pub struct MaterialTable {
 
 impl MaterialTable {
     pub fn new(scene: &Scene) -> Self {
-        let entries: Vec<Entry> = scene
+        let mut entries: Vec<Entry> = scene
             .materials
             .iter()
             .map(|m| Entry {
@@ -52,7 +58,17 @@ impl MaterialTable {
                 ..entry(scene, &m.bsdf)
             })
             .collect();
-        let used = scene.meshes.iter().map(|m| &entries[m.material]);
+        entries.push(entry(scene, &Bsdf::Null));
+        let parts: Vec<Vec<Part>> = (0..scene.materials.len())
+            .map(|m| parts(scene, m))
+            .collect();
+        let of_mesh = |material: usize| match parts[material].as_slice() {
+            [] => vec![material],
+            parts => parts.iter().map(|p| p.entry).collect(),
+        };
+        let used = scene.meshes.iter().flat_map(|m| of_mesh(m.material));
+        let used: Vec<&Entry> = used.map(|e| &entries[e]).collect();
+        let used = used.into_iter();
         let textures = |e: &Entry| {
             let used = e.slots.iter().filter(|&&t| t != NONE);
             used.clone()
@@ -62,13 +78,26 @@ impl MaterialTable {
             any_special: used.clone().any(|e| e.kinds.special() != 0),
             any_smooth: used.clone().any(|e| e.kinds.smooth != 0),
             any_texture: used.clone().any(textures),
+            any_choice: scene.meshes.iter().any(|m| !parts[m.material].is_empty()),
+            parts,
             entries,
         }
     }
 
-    /// What a mesh is made of.
-    pub fn of_mesh(&self, scene: &Scene, mesh: usize) -> &Entry {
-        &self.entries[scene.meshes[mesh].material]
+    /// A material that is one thing.
+    pub fn entry(&self, material: usize) -> &Entry {
+        &self.entries[material]
+    }
+
+    /// What a material is made of; empty if it is one thing.
+    pub fn parts(&self, material: usize) -> &[Part] {
+        &self.parts[material]
+    }
+
+    /// Whether a material, or anything it is made of, is more than diffuse.
+    pub fn is_special(&self, material: usize) -> bool {
+        let is_special = |entry: usize| self.entries[entry].kinds.special() != 0;
+        is_special(material) || self.parts[material].iter().any(|p| is_special(p.entry))
     }
 }
 
@@ -131,6 +160,8 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             rough = Some(microfacets);
         }
         Bsdf::Null => kinds.null = ALL,
+        // Never met: their parts are.
+        Bsdf::Mask { .. } | Bsdf::Blend { .. } => {}
     }
     let mut transmission = None;
     match rough {

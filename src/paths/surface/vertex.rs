@@ -43,13 +43,13 @@ impl SceneView<'_> {
         let side = -(geometric.dot(d).signum());
         vertices.facing = side * (n.dot(geometric).signum());
         n = n * vertices.facing;
-        vertices.kinds = self.kinds(&vertices.triangle, vertices.facing);
+        vertices.kinds = self.kinds(vertices);
         let special = vertices.kinds.special();
         if special & smooth != 0 {
             n = V3::select(lane_mask(special & smooth), consistent_normal(n, d), n);
         }
         let b = [b1, b2];
-        let interface = if special != 0 || self.materials.any_texture {
+        let interface = if special != 0 || self.materials.any_texture || vertices.choice.is_some() {
             let interface = self.interface(vertices, b);
             vertices.diffuse_reflectance = interface.reflectance;
             (special != 0).then_some(interface)

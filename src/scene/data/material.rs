@@ -43,6 +43,19 @@ pub enum Bsdf {
     },
     /// Lets everything through.
     Null,
+    /// Is met where `opacity` says (a texture of one channel), and otherwise lets all through.
+    Mask {
+        opacity: usize,
+        /// What is met, as an index into [`super::Scene::materials`].
+        nested: usize,
+    },
+    /// Two materials mixed.
+    Blend {
+        /// The part of the second one: a texture of one channel.
+        weight: usize,
+        /// Indices into [`super::Scene::materials`].
+        nested: [usize; 2],
+    },
 }
 
 /// A rough interface.
@@ -76,7 +89,7 @@ impl Bsdf {
                 diffuse_reflectance,
                 ..
             } => Some(diffuse_reflectance),
-            Bsdf::Null => None,
+            Bsdf::Null | Bsdf::Mask { .. } | Bsdf::Blend { .. } => None,
         }
     }
 
@@ -125,9 +138,29 @@ impl Bsdf {
                 microfacets,
             ),
             Bsdf::Null => (Vec::new(), None),
+            Bsdf::Mask { opacity, .. } => (vec![("opacity", opacity)], None),
+            Bsdf::Blend { weight, .. } => (vec![("weight", weight)], None),
         };
         slots.extend(microfacets.map(|m| ("alpha", m.alpha)));
         slots
+    }
+
+    /// The materials that it is made of, with what Mitsuba calls them.
+    pub fn nested(&self) -> Vec<(&'static str, usize)> {
+        match *self {
+            Bsdf::Mask { nested, .. } => vec![("nested_bsdf", nested)],
+            Bsdf::Blend { nested: [a, b], .. } => vec![("bsdf_0", a), ("bsdf_1", b)],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The textures of parts of a whole: what is there of which at zero and at one changes kind.
+    pub fn fractions(&self) -> Vec<usize> {
+        match *self {
+            Bsdf::Mask { opacity, .. } => vec![opacity],
+            Bsdf::Blend { weight, .. } => vec![weight],
+            _ => Vec::new(),
+        }
     }
 
     /// The textures of its slots.

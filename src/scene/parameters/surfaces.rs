@@ -22,6 +22,26 @@ pub(super) struct Slots<'s> {
     is_listed: Vec<bool>,
 }
 
+/// What each material is called: by its own key, and by the shapes and mixtures that it is part of.
+fn owners(scene: &Scene) -> Vec<Vec<String>> {
+    let keys = scene.materials.iter().map(|m| vec![m.key.clone()]);
+    let mut owners: Vec<Vec<String>> = keys.collect();
+    for mesh in &scene.meshes {
+        owners[mesh.material].push(format!("{}.bsdf", mesh.id));
+    }
+    // Parts stand before what they are part of.
+    for m in (0..scene.materials.len()).rev() {
+        for (name, nested) in scene.materials[m].bsdf.nested() {
+            for owner in owners[m].clone() {
+                for level in ["", ".brdf_0"] {
+                    owners[nested].push(format!("{owner}{level}.{name}"));
+                }
+            }
+        }
+    }
+    owners
+}
+
 impl<'s> Slots<'s> {
     pub fn new(scene: &'s Scene) -> Self {
         let mut slots = Self {
@@ -29,15 +49,7 @@ impl<'s> Slots<'s> {
             uses: scene.textures.iter().map(|_| Vec::new()).collect(),
             is_listed: vec![false; scene.textures.len()],
         };
-        let mut users = vec![Vec::new(); scene.materials.len()];
-        for mesh in &scene.meshes {
-            users[mesh.material].push(mesh.id.as_str());
-        }
-        for (material, users) in scene.materials.iter().zip(users) {
-            let owners = users.iter().map(|id| format!("{id}.bsdf"));
-            let owners: Vec<String> = std::iter::once(material.key.clone())
-                .chain(owners)
-                .collect();
+        for (material, owners) in scene.materials.iter().zip(owners(scene)) {
             let is_plastic = matches!(material.bsdf, Bsdf::Plastic { .. });
             for (name, texture) in material.bsdf.slots() {
                 let is_plain = scene.textures[texture].channels == 1
@@ -65,7 +77,7 @@ impl<'s> Slots<'s> {
 
     /// The textures of a material that are not listed yet.
     pub fn material(&mut self, m: usize, out: &mut Vec<Entry>) {
-        for texture in self.scene.materials[m].bsdf.textures() {
+        for texture in self.scene.textures_of(m) {
             self.texture(texture, out);
         }
     }

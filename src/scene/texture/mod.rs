@@ -36,6 +36,11 @@ pub(super) const METAL_INDEX: Kind = Kind {
     channels: 3,
     limits: [0.0, 1e6],
 };
+/// Parts of a whole.
+pub(super) const FRACTION: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 1.0],
+};
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {
     channels: 1,

@@ -62,6 +62,8 @@ const KNOWN: &[(&str, &[&str])] = &[
             "plastic",
             "roughplastic",
             "null",
+            "mask",
+            "blendbsdf",
         ],
     ),
     (
