@@ -7,7 +7,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod frame;
 pub mod fresnel;
-
+pub mod layered;
 pub mod light;
 pub mod microfacet;
 pub mod normal;

@@ -51,10 +51,17 @@ pub fn check(
             }
             | Bsdf::Plastic {
                 microfacets: None, ..
-            } if misses(Discontinuity::Mirrored) => {
+            }
+            | Bsdf::ThinDielectric { .. }
+                if misses(Discontinuity::Mirrored) =>
+            {
                 return refuse(format!(
                     "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                     moves would be wrong; use its rough variant with an alpha such as 0.01"
+                     moves would be wrong; use {} with an alpha such as 0.01",
+                    match material.bsdf {
+                        Bsdf::ThinDielectric { .. } => "two sheets of roughdielectric",
+                        _ => "its rough variant",
+                    }
                 ));
             }
             _ => {}

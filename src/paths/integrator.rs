@@ -334,7 +334,7 @@ impl Integrator<'_> {
             return;
         };
         let view = self.view;
-        let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
+        let drawn = from.shares_lights();
         let one = Lane::splat(1.0);
         vertices.emission_weight = one;
         if !view.lights.is_empty() && vertices.hit != 0 {

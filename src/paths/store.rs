@@ -101,6 +101,8 @@ pub struct Lobes {
     pub diffuse: u32,
     pub reflected: u32,
     pub refracted: u32,
+    /// Of those that are reflected: by a clear coat above the rest.
+    pub coat: u32,
 }
 
 impl Lobes {
@@ -119,6 +121,7 @@ impl Lobes {
             is_diffuse: mask(self.diffuse),
             is_reflected: mask(self.reflected),
             is_refracted: mask(self.refracted),
+            is_coat: mask(self.coat),
         }
     }
 }
@@ -129,6 +132,11 @@ impl Vertices {
         self.choice
             .as_ref()
             .map_or(self.throughput, |choice| choice.arriving)
+    }
+
+    /// Lanes whose lobe shares the lights with light samples.
+    pub fn shares_lights(&self) -> u32 {
+        self.lobes.diffuse | (self.lobes.reflected & self.kinds.wide & !self.lobes.coat)
     }
 
     /// Where a lane's ray ends, in f64.

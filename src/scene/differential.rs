@@ -64,6 +64,7 @@ impl SceneDifferential {
     pub fn refraction_moves(&self, scene: &Scene) -> bool {
         scene.materials.iter().any(|m| match m.bsdf {
             super::Bsdf::Dielectric { eta, .. } => self.texels[eta].is_some(),
+            super::Bsdf::Principled(p) => p.transmits && self.texels[p.eta].is_some(),
             _ => false,
         })
     }

@@ -78,6 +78,21 @@ fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "diffuse" => &["reflectance"],
         "mask" => &["opacity"],
+        "principled" => &[
+            "base_color",
+            "roughness",
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "eta",
+            "specular",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ],
         "blendbsdf" => &["weight"],
         "conductor" => &["material", "eta", "k", "specular_reflectance"],
         "roughconductor" => &[
@@ -90,7 +105,7 @@ fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
             "alpha_u",
             "alpha_v",
         ],
-        "dielectric" => &[
+        "dielectric" | "thindielectric" => &[
             "int_ior",
             "ext_ior",
             "specular_reflectance",

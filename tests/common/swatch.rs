@@ -157,6 +157,7 @@ impl Swatch {
                         diffuse: bit(vertices.lobes.diffuse),
                         reflected: bit(vertices.lobes.reflected),
                         refracted: bit(vertices.lobes.refracted),
+                        coat: bit(vertices.lobes.coat),
                     };
                     let bounce = Bounce {
                         direction: self.turned(lane_of(rays.direction, lane).as_dvec3()),

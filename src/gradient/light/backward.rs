@@ -1,10 +1,12 @@
 //! The backward sweep over light: emission that rays found, light samples, the environment.
 
 use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
+use crate::adjoint::layered::layered_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
 use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate;
+use crate::kernels::layered::layered_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
@@ -32,6 +34,17 @@ impl BackwardSweep<'_> {
             vertices.kinds.masks(),
             lane_mask(lobes),
         );
+        let kinds = &vertices.kinds;
+        let value = match &here.layers {
+            None => value,
+            Some((layers, _)) => {
+                let (n, direction) = (here.n, vertices.direction);
+                let lit = kinds.lit_masks(light);
+                let layered =
+                    layered_evaluate(n, direction, w, *interface, *layers, kinds.masks(), lit);
+                V3::select(lane_mask(kinds.layered()), layered, value)
+            }
+        };
         masked(lit, value)
     }
 
@@ -49,8 +62,29 @@ impl BackwardSweep<'_> {
             bars.interface.reflectance = bars.interface.reflectance + masked(bar.bits, bar.value);
             return V3::splat(0.0);
         };
-        let [lit, lobes] = vertices.kinds.lit_by(light);
+        let kinds = &vertices.kinds;
+        let [lit, lobes] = kinds.lit_by(light);
         let bits = bar.bits & lit;
+        let mut layered_w = V3::splat(0.0);
+        if let Some((layers, _)) = &here.layers {
+            let bits = bits & kinds.layered();
+            let (n, direction, w_bar, s, l) = layered_evaluate_adjoint(
+                here.n,
+                vertices.direction,
+                w,
+                *interface,
+                *layers,
+                kinds.masks(),
+                kinds.lit_masks(light),
+                masked(bits, bar.value),
+            );
+            bars.n = bars.n + masked(bits, n);
+            bars.direction = bars.direction + masked(bits, direction);
+            bars.add_interface(bits, &s);
+            bars.add_layers(bits, &l);
+            layered_w = masked(bits, w_bar);
+        }
+        let bits = bits & !kinds.layered();
         let (n, direction, w_bar, s, _) = bsdf_evaluate_adjoint(
             here.n,
             vertices.direction,
@@ -65,7 +99,7 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, direction);
         bars.add_interface(bits, &s);
-        masked(bits, w_bar)
+        layered_w + masked(bits, w_bar)
     }
 
     /// See `forward::ForwardSweep::emission`. `earlier` are the cotangents of the vertex `before`.

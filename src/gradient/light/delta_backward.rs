@@ -1,12 +1,14 @@
 //! The backward sweep over delta lights.
 
 use crate::adjoint::bsdf::bsdf_evaluate_glass_adjoint;
+use crate::adjoint::layered::layered_sent_adjoint;
 use crate::adjoint::light::{
     direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
 };
 use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate_glass;
+use crate::kernels::layered::layered_sent;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, V3};
 use crate::paths::light::delta::toward;
@@ -110,22 +112,42 @@ impl BackwardSweep<'_> {
         };
         let kinds = here.vertices.kinds.masks();
         let (n, direction, is_glass) = (here.n, here.vertices.direction, lane_mask(bits));
-        let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
+        let layered = bits & here.vertices.kinds.layered();
+        let plain = bits & !layered;
+        let mut sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
+        if let Some((layers, _)) = here.layers {
+            let is_layered = lane_mask(layered);
+            let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
+            sent = V3::select(is_layered, own, sent);
+        }
         self.power(light, here, bar, sent * falloff, bars, sums);
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
         let arriving = radiance_bar.times(here.vertices.throughput).times(power);
-        let (n, direction, w_bar, s) = bsdf_evaluate_glass_adjoint(
+        let mut w_bar = V3::splat(0.0);
+        if let Some((layers, _)) = here.layers {
+            let bar = masked(layered, arriving * falloff);
+            let is_layered = lane_mask(layered);
+            let (n, direction, own, s, l) =
+                layered_sent_adjoint(n, direction, w, interface, layers, kinds, is_layered, bar);
+            bars.n = bars.n + masked(layered, n);
+            bars.direction = bars.direction + masked(layered, direction);
+            bars.add_interface(layered, &s);
+            bars.add_layers(layered, &l);
+            w_bar = masked(layered, own);
+        }
+        let (n, direction, own, s) = bsdf_evaluate_glass_adjoint(
             n,
             direction,
             w,
             interface,
             is_glass,
             kinds,
-            masked(bits, arriving * falloff),
+            masked(plain, arriving * falloff),
         );
-        bars.n = bars.n + masked(bits, n);
-        bars.direction = bars.direction + masked(bits, direction);
-        bars.add_interface(bits, &s);
+        bars.n = bars.n + masked(plain, n);
+        bars.direction = bars.direction + masked(plain, direction);
+        bars.add_interface(plain, &s);
+        w_bar = w_bar + masked(plain, own);
         let DeltaLightKind::Point { position } = light.kind else {
             return V3::splat(0.0);
         };

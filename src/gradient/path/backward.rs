@@ -8,8 +8,10 @@
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
+use crate::adjoint::layered::layered_sample_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
 use crate::kernels::bsdf::Interface;
+use crate::kernels::layered::Layers;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
@@ -17,6 +19,8 @@ use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::interface::slot_values;
+use crate::paths::surface::layers::{numbers, of_numbers};
+use crate::paths::surface::materials::SLOTS;
 use glam::Vec3;
 
 /// Runs backward sweeps over a tile's store.
@@ -44,6 +48,8 @@ pub(crate) struct Solved<'a> {
     pub smooth: u32,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<Lane>>,
+    /// Given if any lane has layers or a grain, with what the grain is made of.
+    pub layers: Option<(Layers<Lane>, [Lane; 2])>,
 }
 
 /// A cotangent in some of the lanes.
@@ -74,6 +80,8 @@ pub(crate) struct VertexBars {
     /// Of the path's weight before the choice among materials.
     pub arriving: V3<Lane>,
     pub interface: Interface<Lane>,
+    /// Given if anything was added.
+    pub layers: Option<Box<Layers<Lane>>>,
     /// Of the barycentrics.
     pub b: [Lane; 2],
 }
@@ -94,8 +102,29 @@ impl VertexBars {
                 k: none,
                 alpha: zero,
             },
+            layers: None,
             b: [zero; 2],
         }
+    }
+
+    /// Adds the cotangents of layers in the lanes of `bits`.
+    pub fn add_layers(&mut self, bits: u32, l: &Layers<Lane>) {
+        let zero = Lane::splat(0.0);
+        let selected = of_numbers(
+            masked(bits, l.tangent),
+            numbers(l).map(|n| <Lane as Real>::select(lane_mask(bits), n, zero)),
+        );
+        let sum = match &self.layers {
+            None => selected,
+            Some(sum) => {
+                let (a, b) = (numbers(sum.as_ref()), numbers(&selected));
+                of_numbers(
+                    sum.tangent + selected.tangent,
+                    std::array::from_fn(|i| a[i] + b[i]),
+                )
+            }
+        };
+        self.layers = Some(Box::new(sum));
     }
 
     /// Adds the cotangents of an interface in the lanes of `bits`.
@@ -300,6 +329,27 @@ impl BackwardSweep<'_> {
             }
             return;
         };
+        let layered = vertices.kinds.layered();
+        let weight_bar = weight_bar * vertices.inverse_density;
+        if let Some((layers, _)) = &here.layers {
+            let bits = bits & layered;
+            let (n, arriving, _, s, l) = layered_sample_adjoint(
+                here.n,
+                vertices.direction,
+                local,
+                *interface,
+                *layers,
+                vertices.lobes.masks(),
+                vertices.kinds.masks(),
+                (masked(bits, direction), masked(bits, weight_bar)),
+            );
+            bars.n = bars.n + masked(bits, n);
+            bars.direction = bars.direction + masked(bits, arriving);
+            bars.add_interface(bits, &s);
+            bars.add_layers(bits, &l);
+        }
+        let bits = bits & !layered;
+        let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
         let (n, arriving, _, s, _) = bsdf_sample_adjoint(
             here.n,
             vertices.direction,
@@ -308,7 +358,7 @@ impl BackwardSweep<'_> {
             self.view.transmission(vertices, here.n, local.z),
             vertices.lobes.masks(),
             vertices.kinds.masks(),
-            (direction, weight_bar * vertices.inverse_density),
+            (direction, weight_bar),
         );
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, arriving);
@@ -328,8 +378,13 @@ impl BackwardSweep<'_> {
         let lanes = vertices.hit & !vertices.kinds.black;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
             let slot_bars = slot_values(&bars.interface, lane);
+            let layer_bars = bars.layers.as_ref().map(|l| numbers(l.as_ref()));
             view.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
-                let bar = slot_bars[s.slot];
+                let bar = match (s.slot < SLOTS, &layer_bars) {
+                    (true, _) => slot_bars[s.slot],
+                    (false, Some(bars)) => Vec3::X * bars[s.slot - SLOTS].to_array()[lane],
+                    (false, None) => Vec3::ZERO,
+                };
                 sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
                 for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
                     sum[lane] += by.dot(bar);

@@ -7,6 +7,7 @@ use crate::kernels::bsdf::{
 };
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sample};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
@@ -14,6 +15,7 @@ use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::layers::{numbers, of_numbers, tangent};
 use crate::paths::surface::texture::Lookup;
 use crate::scene::Rgb;
 
@@ -57,6 +59,8 @@ pub(crate) struct MovingVertex<'a> {
     pub diffuse_reflectance: V3<D>,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<D>>,
+    /// Given if any lane has layers or a grain.
+    pub layers: Option<Layers<D>>,
 }
 
 impl<'a> ForwardSweep<'a> {
@@ -163,6 +167,7 @@ impl<'a> ForwardSweep<'a> {
             throughput: chain.throughput,
             diffuse_reflectance: dual_vector(vertices.diffuse_reflectance, V3::splat(0.0)),
             interface: None,
+            layers: None,
         };
         if let Some(choice) = &vertices.choice {
             let b = here.b.map(|b| b.value);
@@ -179,6 +184,7 @@ impl<'a> ForwardSweep<'a> {
             let interface = self.interface(&here);
             here.diffuse_reflectance = interface.reflectance;
             here.interface = (special != 0).then_some(interface);
+            here.layers = self.layers(&here);
         }
         here
     }
@@ -200,6 +206,28 @@ impl<'a> ForwardSweep<'a> {
                 tangent: tangent.alpha,
             },
         }
+    }
+
+    /// Layers and grain, with their tangents.
+    fn layers(&self, here: &MovingVertex) -> Option<Layers<D>> {
+        let vertices = here.vertices;
+        if vertices.kinds.layered() == 0 {
+            return None;
+        }
+        let grain = self.view.grain(&vertices.triangle).map(constant);
+        let along = tangent(here.corners, grain);
+        let b = here.b.map(|b| b.value);
+        let db = here.b.map(|b| b.tangent);
+        let view = self.view;
+        let value = view.layers(vertices, b, value_of(along))?;
+        let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+        let change = view.layers_change(vertices, b, db, tangent_of(along), change);
+        let (value, change) = (numbers(&value), numbers(&change));
+        let dual = |i: usize| Dual {
+            value: value[i],
+            tangent: change[i],
+        };
+        Some(of_numbers(along, std::array::from_fn(dual)))
     }
 
     /// What a rough plastic lets through toward directions at cosine `cos_out`.
@@ -225,6 +253,17 @@ impl<'a> ForwardSweep<'a> {
             here.vertices.kinds.masks(),
             lane_mask(lobes),
         );
+        let kinds = &here.vertices.kinds;
+        let value = match here.layers {
+            None => value,
+            Some(layers) => {
+                let (n, direction) = (here.n, here.direction);
+                let lit = kinds.lit_masks(light);
+                let layered =
+                    layered_evaluate(n, direction, w, *interface, layers, kinds.masks(), lit);
+                V3::select(lane_mask(kinds.layered()), layered, value)
+            }
+        };
         V3::select(lane_mask(lit), value, V3::splat(0.0))
     }
 
@@ -247,6 +286,21 @@ impl<'a> ForwardSweep<'a> {
             vertices.lobes.masks(),
             vertices.kinds.masks(),
         );
+        let (mut direction, mut weight) = (direction, weight);
+        if let Some(layers) = here.layers {
+            let is_layered = lane_mask(vertices.kinds.layered());
+            let (own, layered) = layered_sample(
+                here.n,
+                here.direction,
+                local,
+                *interface,
+                layers,
+                vertices.lobes.masks(),
+                vertices.kinds.masks(),
+            );
+            direction = V3::select(is_layered, own, direction);
+            weight = V3::select(is_layered, layered, weight);
+        }
         (direction, weight * constant(vertices.inverse_density))
     }
 }

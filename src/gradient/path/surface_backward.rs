@@ -11,6 +11,7 @@ use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::store::Vertices;
+use crate::paths::surface::layers::tangent;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
@@ -40,6 +41,12 @@ impl BackwardSweep<'_> {
             raw_n
         };
         let interface = (special != 0).then(|| self.view.interface(vertices, [b1, b2]));
+        let layers = (vertices.kinds.layered() != 0).then(|| {
+            let grain = self.view.grain(&vertices.triangle);
+            let along = tangent(corners, grain);
+            let layers = self.view.layers(vertices, [b1, b2], along);
+            layers.map(|l| (l, grain))
+        });
         Some(Solved {
             vertices,
             t,
@@ -52,6 +59,7 @@ impl BackwardSweep<'_> {
             corners,
             smooth,
             interface,
+            layers: layers.flatten(),
         })
     }
 
@@ -96,6 +104,11 @@ impl BackwardSweep<'_> {
             b1_bar += <Lane as Real>::select(smooth, b1, none);
             b2_bar += <Lane as Real>::select(smooth, b2, none);
             self.scatter_normals(here, [m0, m1, m2], sums);
+        }
+        if let (Some((_, [a, b])), Some(l)) = (&here.layers, &bars.layers) {
+            v_bar[0] = v_bar[0] - l.tangent * (*a + *b);
+            v_bar[1] = v_bar[1] + l.tangent * *a;
+            v_bar[2] = v_bar[2] + l.tangent * *b;
         }
         let t_bar = d.dot(bars.x);
         let (o_hit, d_hit, w0, w1, w2) =

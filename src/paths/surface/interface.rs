@@ -7,9 +7,9 @@ use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::Kinds;
-use crate::paths::surface::materials::{ALPHA, ETA, NONE, SLOTS};
+use crate::paths::surface::materials::{ALPHA, ETA, SLOTS};
 use crate::paths::surface::texture::{Lookup, lookup};
-use crate::scene::{Layout, Scene};
+use crate::scene::{Layout, Principled, Scene};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{Vec2, Vec3};
 
@@ -33,7 +33,8 @@ impl SceneView<'_> {
             let entry = self.entry(vertices, lane);
             let is_back = facing[lane] < 0.0;
             let bit = 1 << lane;
-            let transmits = (entry.kinds.dielectric | entry.kinds.null) != 0;
+            let transmits =
+                (entry.kinds.dielectric | entry.kinds.null | entry.kinds.transmits) != 0;
             if is_back && !entry.two_sided && !transmits {
                 kinds.black |= bit;
                 continue;
@@ -46,11 +47,15 @@ impl SceneView<'_> {
             kinds.dielectric |= k.dielectric & bit;
             kinds.plastic |= k.plastic & bit;
             kinds.null |= k.null & bit;
+            kinds.thin |= k.thin & bit;
+            kinds.principled |= k.principled & bit;
+            kinds.grained |= k.grained & bit;
+            kinds.transmits |= k.transmits & bit;
             kinds.smooth |= k.smooth & bit;
             kinds.ggx |= k.ggx & bit;
             kinds.nonlinear |= k.nonlinear & bit;
             kinds.wide |= k.wide & bit;
-            if is_back && k.dielectric != 0 {
+            if is_back && (k.dielectric & !k.thin | k.transmits) != 0 {
                 kinds.inside |= bit;
             }
         }
@@ -68,18 +73,21 @@ impl SceneView<'_> {
     ) {
         let triangle = vertices.triangle[lane];
         let entry = self.entry(vertices, lane);
-        for (slot, &texture) in entry.slots.iter().enumerate() {
-            if texture != NONE {
-                let texture = texture as usize;
-                let (lookup, by_barycentric) =
-                    texture_at(self.scene, self.geometry, texture, triangle, b);
-                each(SlotLookup {
-                    slot,
-                    texture,
-                    lookup,
-                    by_barycentric,
-                });
+        for &(slot, texture) in &entry.slots {
+            let (mut lookup, by_barycentric) =
+                texture_at(self.scene, self.geometry, texture, triangle, b);
+            if slot == ETA && entry.by_specular {
+                // It is constant: its one weight is what it moves the index by.
+                let [eta, slope] = Principled::eta_of_specular(lookup.value.x);
+                lookup.value = Vec3::splat(eta);
+                lookup.weights[0] = slope;
             }
+            each(SlotLookup {
+                slot,
+                texture,
+                lookup,
+                by_barycentric,
+            });
         }
     }
 
@@ -96,7 +104,9 @@ impl SceneView<'_> {
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
                 self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
-                    slots[s.slot][lane] = s.lookup.value
+                    if s.slot < SLOTS {
+                        slots[s.slot][lane] = s.lookup.value;
+                    }
                 });
             }
         }
@@ -120,9 +130,11 @@ impl SceneView<'_> {
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
                 self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
-                    let [by_b1, by_b2] = s.by_barycentric;
-                    let mixed = change(s.texture, &s.lookup);
-                    slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
+                    if s.slot < SLOTS {
+                        let [by_b1, by_b2] = s.by_barycentric;
+                        let mixed = change(s.texture, &s.lookup);
+                        slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
+                    }
                 });
             }
         }

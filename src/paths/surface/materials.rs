@@ -12,8 +12,19 @@ pub const ETA: usize = 2;
 pub const K: usize = 3;
 pub const ALPHA: usize = 4;
 pub const SLOTS: usize = 5;
-/// Where a material has no texture.
-pub const NONE: u32 = u32::MAX;
+/// Those that go to `kernels::layered::Layers`.
+pub const ALPHA_V: usize = 5;
+pub const ROUGHNESS: usize = 6;
+pub const ANISOTROPIC: usize = 7;
+pub const METALLIC: usize = 8;
+pub const SPEC_TRANS: usize = 9;
+pub const SPEC_TINT: usize = 10;
+pub const SHEEN: usize = 11;
+pub const SHEEN_TINT: usize = 12;
+pub const FLATNESS: usize = 13;
+pub const CLEARCOAT: usize = 14;
+pub const CLEARCOAT_GLOSS: usize = 15;
+pub const ALL_SLOTS: usize = 16;
 
 /// Rough conductors and plastics this rough or rougher are also lit by light samples, and their
 /// lobes differentiated in the lights' coordinates. Narrower lobes see lights along their
@@ -26,7 +37,10 @@ const WIDE_ALPHA_BEFORE_MAPS: f32 = 0.05;
 
 /// One material, prepared.
 pub struct Entry {
-    pub slots: [u32; SLOTS],
+    /// Slot and texture.
+    pub slots: Vec<(usize, usize)>,
+    /// Whether what is in the slot of the index of refraction is Disney's `specular`.
+    pub by_specular: bool,
     pub kinds: Kinds,
     pub two_sided: bool,
     pub transmission: Option<TransmissionTable>,
@@ -70,9 +84,8 @@ impl MaterialTable {
         let used: Vec<&Entry> = used.map(|e| &entries[e]).collect();
         let used = used.into_iter();
         let textures = |e: &Entry| {
-            let used = e.slots.iter().filter(|&&t| t != NONE);
-            used.clone()
-                .any(|&t| scene.textures[t as usize].layout != Layout::Constant)
+            let mut used = e.slots.iter();
+            used.any(|&(_, t)| scene.textures[t].layout != Layout::Constant)
         };
         Self {
             any_special: used.clone().any(|e| e.kinds.special() != 0),
@@ -101,23 +114,29 @@ impl MaterialTable {
     }
 }
 
-/// Whether a roughness is wide wherever it is looked up.
-fn is_wide(scene: &Scene, alpha: usize) -> bool {
+/// The least number of a texture.
+fn least(scene: &Scene, texture: usize) -> f32 {
+    let numbers = scene.textures[texture].texels.iter().map(|t| t[0]);
+    numbers.fold(f32::INFINITY, f32::min)
+}
+
+/// Whether a roughness is wide.
+fn is_wide(scene: &Scene, alpha: f32) -> bool {
     let before_map = scene.environment.as_ref().is_some_and(|e| e.map.is_some());
     let wide = if before_map {
         WIDE_ALPHA_BEFORE_MAPS
     } else {
         WIDE_ALPHA
     };
-    let least = scene.textures[alpha].texels.iter().map(|t| t[0]);
-    least.fold(f32::INFINITY, f32::min) >= wide
+    alpha >= wide
 }
 
 fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     const ALL: u32 = u32::MAX;
-    let mut slots = [NONE; SLOTS];
+    let mut slots = Vec::new();
+    let mut by_specular = false;
     let mut kinds = Kinds::default();
-    let mut set = |slot: usize, texture: usize| slots[slot] = texture as u32;
+    let mut set = |slot: usize, texture: usize| slots.push((slot, texture));
     let mut rough = None;
     match *bsdf {
         Bsdf::Diffuse { reflectance } => set(REFLECTANCE, reflectance),
@@ -145,6 +164,18 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             set(ETA, eta);
             rough = Some(microfacets);
         }
+        Bsdf::ThinDielectric {
+            eta,
+            specular_reflectance,
+            specular_transmittance,
+        } => {
+            kinds.dielectric = ALL;
+            kinds.thin = ALL;
+            set(REFLECTANCE, specular_reflectance);
+            set(SECOND_REFLECTANCE, specular_transmittance);
+            set(ETA, eta);
+            rough = Some(None);
+        }
         Bsdf::Plastic {
             eta,
             diffuse_reflectance,
@@ -159,6 +190,32 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             set(ETA, eta);
             rough = Some(microfacets);
         }
+        Bsdf::Principled(p) => {
+            kinds.principled = ALL;
+            kinds.transmits = if p.transmits { ALL } else { 0 };
+            by_specular = p.by_specular;
+            for (slot, texture) in [
+                (REFLECTANCE, p.base_color),
+                (ETA, p.eta),
+                (ROUGHNESS, p.roughness),
+                (ANISOTROPIC, p.anisotropic),
+                (METALLIC, p.metallic),
+                (SPEC_TRANS, p.spec_trans),
+                (SPEC_TINT, p.spec_tint),
+                (SHEEN, p.sheen),
+                (SHEEN_TINT, p.sheen_tint),
+                (FLATNESS, p.flatness),
+                (CLEARCOAT, p.clearcoat),
+                (CLEARCOAT_GLOSS, p.clearcoat_gloss),
+            ] {
+                set(slot, texture);
+            }
+            let most = scene.textures[p.anisotropic].texels.iter().map(|t| t[0]);
+            let aspect = (1.0 - 0.9 * most.fold(0.0, f32::max)).sqrt();
+            if is_wide(scene, least(scene, p.roughness).powi(2) * aspect) {
+                kinds.wide = ALL;
+            }
+        }
         Bsdf::Null => kinds.null = ALL,
         // Never met: their parts are.
         Bsdf::Mask { .. } | Bsdf::Blend { .. } => {}
@@ -170,11 +227,18 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
         Some(Some(Microfacets {
             distribution,
             alpha,
+            alpha_v,
         })) => {
             let is_ggx = distribution == Distribution::Ggx;
             kinds.ggx = if is_ggx { ALL } else { 0 };
             set(ALPHA, alpha);
-            if is_wide(scene, alpha) && kinds.dielectric == 0 {
+            let mut narrowest = least(scene, alpha);
+            if let Some(alpha_v) = alpha_v {
+                set(ALPHA_V, alpha_v);
+                kinds.grained = ALL;
+                narrowest = narrowest.min(least(scene, alpha_v));
+            }
+            if is_wide(scene, narrowest) && kinds.dielectric == 0 {
                 kinds.wide = ALL;
             }
             if let Bsdf::Plastic { eta, .. } = *bsdf {
@@ -185,6 +249,7 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     }
     Entry {
         slots,
+        by_specular,
         kinds,
         two_sided: false,
         transmission,

@@ -3,6 +3,8 @@
 pub mod choice;
 pub mod interface;
 pub mod kinds;
+pub mod layered_sample;
+pub mod layers;
 pub mod lobe_sample;
 pub mod materials;
 pub mod microfacet_sample;

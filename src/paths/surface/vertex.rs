@@ -1,6 +1,7 @@
 //! Where rays end: positions, normals, and what is there.
 
-use crate::kernels::bsdf::{Interface, bsdf_evaluate, consistent_normal};
+use crate::kernels::bsdf::{Interface, bsdf_evaluate, bsdf_evaluate_glass, consistent_normal};
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sent};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
@@ -8,6 +9,7 @@ use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::layers::tangent;
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -21,6 +23,10 @@ pub struct Surface {
     pub b: [Lane; 2],
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<Lane>>,
+    /// Given if any lane has layers or a grain.
+    pub layers: Option<Layers<Lane>>,
+    /// Whether someone asks about what is not there at present, so that it is drawn all the same.
+    pub black_goes_on: bool,
 }
 
 impl SceneView<'_> {
@@ -64,6 +70,12 @@ impl SceneView<'_> {
             });
             None
         };
+        let layers = if vertices.kinds.layered() == 0 {
+            None
+        } else {
+            let grain = self.grain(&vertices.triangle);
+            self.layers(vertices, b, tangent([v0, v1, v2], grain))
+        };
         Surface {
             // In slender triangles the distance along the ray is not good enough for a point of the
             // plane, and rays that leave would meet their own surface.
@@ -72,6 +84,8 @@ impl SceneView<'_> {
             geometric,
             b,
             interface,
+            layers,
+            black_goes_on: self.limits.black_goes_on,
         }
     }
 
@@ -136,7 +150,47 @@ impl SceneView<'_> {
             vertices.kinds.masks(),
             lane_mask(lobes),
         );
+        let value = match &surface.layers {
+            None => value,
+            Some(layers) => {
+                let layered = layered_evaluate(
+                    surface.n,
+                    vertices.direction,
+                    w,
+                    *interface,
+                    *layers,
+                    vertices.kinds.masks(),
+                    vertices.kinds.lit_masks(light),
+                );
+                V3::select(lane_mask(vertices.kinds.layered()), layered, value)
+            }
+        };
         masked(lit, value)
+    }
+
+    /// What is sent of a beam of unit irradiance (across it) that comes from `w`, on either side, in
+    /// lanes of `glass`: the BSDF times the cosine.
+    pub fn bsdf_sent(
+        &self,
+        vertices: &Vertices,
+        surface: &Surface,
+        w: V3<Lane>,
+        glass: u32,
+    ) -> V3<Lane> {
+        let Some(interface) = surface.interface else {
+            return V3::splat(0.0);
+        };
+        let (n, direction, kinds) = (surface.n, vertices.direction, vertices.kinds.masks());
+        let sent = bsdf_evaluate_glass(n, direction, w, interface, lane_mask(glass), kinds);
+        match surface.layers {
+            None => sent,
+            Some(layers) => {
+                let layered = glass & vertices.kinds.layered();
+                let is_layered = lane_mask(layered);
+                let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
+                V3::select(is_layered, own, sent)
+            }
+        }
     }
 
     /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were

@@ -33,6 +33,13 @@ pub enum Bsdf {
         specular_transmittance: usize,
         microfacets: Option<Microfacets>,
     },
+    /// A pane so thin that light goes straight on through it.
+    ThinDielectric {
+        /// As of dielectrics.
+        eta: usize,
+        specular_reflectance: usize,
+        specular_transmittance: usize,
+    },
     Plastic {
         eta: usize,
         diffuse_reflectance: usize,
@@ -41,6 +48,8 @@ pub enum Bsdf {
         nonlinear: bool,
         microfacets: Option<Microfacets>,
     },
+    /// Many layers.
+    Principled(Principled),
     /// Lets everything through.
     Null,
     /// Is met where `opacity` says (a texture of one channel), and otherwise lets all through.
@@ -58,12 +67,64 @@ pub enum Bsdf {
     },
 }
 
+/// Burley's layers: textures, all but the first of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    pub base_color: usize,
+    pub roughness: usize,
+    pub anisotropic: usize,
+    pub metallic: usize,
+    pub spec_trans: usize,
+    /// Whether it lets any light through.
+    pub transmits: bool,
+    /// Index inside over index outside, or what stands for it.
+    pub eta: usize,
+    /// Whether that is Disney's `specular`.
+    pub by_specular: bool,
+    pub spec_tint: usize,
+    pub sheen: usize,
+    pub sheen_tint: usize,
+    pub flatness: usize,
+    pub clearcoat: usize,
+    pub clearcoat_gloss: usize,
+}
+
+impl Principled {
+    /// The index of refraction of a `specular` of `s`, and its slope.
+    pub fn eta_of_specular(s: f32) -> [f32; 2] {
+        let root = (0.08 * f64::from(s)).sqrt();
+        let eta = 2.0 / (1.0 - root) - 1.0;
+        let slope = 0.08 / (root.max(1e-6) * (1.0 - root) * (1.0 - root));
+        [eta as f32, slope as f32]
+    }
+
+    fn slots(&self) -> Vec<(&'static str, usize)> {
+        let eta = if self.by_specular { "specular" } else { "eta" };
+        vec![
+            ("base_color", self.base_color),
+            ("roughness", self.roughness),
+            ("anisotropic", self.anisotropic),
+            ("metallic", self.metallic),
+            ("spec_trans", self.spec_trans),
+            (eta, self.eta),
+            ("spec_tint", self.spec_tint),
+            ("sheen", self.sheen),
+            ("sheen_tint", self.sheen_tint),
+            ("flatness", self.flatness),
+            ("clearcoat", self.clearcoat),
+            ("clearcoat_gloss", self.clearcoat_gloss),
+        ]
+    }
+}
+
 /// A rough interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microfacets {
     pub distribution: Distribution,
     /// Roughness: a texture of one channel.
     pub alpha: usize,
+    /// Roughness along v, if it is not the same in all directions; the other is along u then.
+    pub alpha_v: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,11 +145,16 @@ impl Bsdf {
             | Bsdf::Dielectric {
                 specular_reflectance,
                 ..
+            }
+            | Bsdf::ThinDielectric {
+                specular_reflectance,
+                ..
             } => Some(specular_reflectance),
             Bsdf::Plastic {
                 diffuse_reflectance,
                 ..
             } => Some(diffuse_reflectance),
+            Bsdf::Principled(Principled { base_color, .. }) => Some(base_color),
             Bsdf::Null | Bsdf::Mask { .. } | Bsdf::Blend { .. } => None,
         }
     }
@@ -123,6 +189,18 @@ impl Bsdf {
                 ],
                 microfacets,
             ),
+            Bsdf::ThinDielectric {
+                eta,
+                specular_reflectance,
+                specular_transmittance,
+            } => (
+                vec![
+                    ("eta", eta),
+                    ("specular_reflectance", specular_reflectance),
+                    ("specular_transmittance", specular_transmittance),
+                ],
+                None,
+            ),
             Bsdf::Plastic {
                 eta,
                 diffuse_reflectance,
@@ -137,11 +215,17 @@ impl Bsdf {
                 ],
                 microfacets,
             ),
+            Bsdf::Principled(principled) => (principled.slots(), None),
             Bsdf::Null => (Vec::new(), None),
             Bsdf::Mask { opacity, .. } => (vec![("opacity", opacity)], None),
             Bsdf::Blend { weight, .. } => (vec![("weight", weight)], None),
         };
-        slots.extend(microfacets.map(|m| ("alpha", m.alpha)));
+        if let Some(Microfacets { alpha, alpha_v, .. }) = microfacets {
+            match alpha_v {
+                None => slots.push(("alpha", alpha)),
+                Some(alpha_v) => slots.extend([("alpha_u", alpha), ("alpha_v", alpha_v)]),
+            }
+        }
         slots
     }
 
@@ -159,6 +243,7 @@ impl Bsdf {
         match *self {
             Bsdf::Mask { opacity, .. } => vec![opacity],
             Bsdf::Blend { weight, .. } => vec![weight],
+            Bsdf::Principled(p) => vec![p.metallic, p.spec_trans],
             _ => Vec::new(),
         }
     }

@@ -7,7 +7,7 @@ mod sensor;
 mod texture;
 
 pub use light::{AreaLight, DeltaLight, DeltaLightKind, Environment, EnvironmentMap};
-pub use material::{Bsdf, Distribution, Material, Microfacets};
+pub use material::{Bsdf, Distribution, Material, Microfacets, Principled};
 pub use mesh::{Mesh, Normals};
 pub use sensor::{Film, Filter, Sensor};
 pub use texture::{Layout, Rgb, Texture, Wrap};

@@ -3,6 +3,7 @@
 mod interface;
 mod metal;
 mod mixed;
+mod principled;
 
 use super::camera::cannot_stand_inside;
 use super::data::{Bsdf, Material};
@@ -161,8 +162,15 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
 
 /// Refuses what lets light through inside a `twosided`.
 fn refuse_transmission(inner: &Object, child: &Child) -> Result<(), SceneError> {
-    let transmits = ["dielectric", "roughdielectric", "null", "mask"];
-    if !transmits.contains(&inner.plugin.as_str()) {
+    let transmits = [
+        "dielectric",
+        "roughdielectric",
+        "thindielectric",
+        "null",
+        "mask",
+    ];
+    let is_layered = inner.plugin == "principled" && principled::transmits(inner)?;
+    if !is_layered && !transmits.contains(&inner.plugin.as_str()) {
         return Ok(());
     }
     let what = format!(
@@ -178,6 +186,8 @@ fn read(mut slots: Slots) -> Result<Bsdf, SceneError> {
         "conductor" | "roughconductor" => metal::conductor(slots),
         "dielectric" | "roughdielectric" => interface::dielectric(slots),
         "plastic" | "roughplastic" => interface::plastic(slots),
+        "thindielectric" => interface::thin_dielectric(slots),
+        "principled" => principled::principled(slots),
         "null" => slots.only(&[]).map(|()| Bsdf::Null),
         _ => {
             slots.only(&["reflectance"])?;

@@ -1,11 +1,11 @@
 //! Keys of textures, delta lights and the environment, by the slots that use them.
 
-use super::entry::Entry;
+use super::entry::{Entry, Fixed};
 use super::target::Target;
 use super::to_uv::rows;
 use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Scene};
 use glam::Affine2;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// One use of a texture.
 struct Use {
@@ -20,6 +20,8 @@ pub(super) struct Slots<'s> {
     scene: &'s Scene,
     uses: Vec<Vec<Use>>,
     is_listed: Vec<bool>,
+    /// Why there is no derivative by a texture.
+    refusals: HashMap<usize, &'static str>,
 }
 
 /// What each material is called: by its own key, and by the shapes and mixtures that it is part of.
@@ -48,12 +50,19 @@ impl<'s> Slots<'s> {
             scene,
             uses: scene.textures.iter().map(|_| Vec::new()).collect(),
             is_listed: vec![false; scene.textures.len()],
+            refusals: HashMap::new(),
         };
         for (material, owners) in scene.materials.iter().zip(owners(scene)) {
+            if let Bsdf::Principled(p) = material.bsdf
+                && !p.transmits
+            {
+                let why = "the surface lets no light through; give it a spec_trans above zero";
+                slots.refusals.insert(p.spec_trans, why);
+            }
             let is_plastic = matches!(material.bsdf, Bsdf::Plastic { .. });
             for (name, texture) in material.bsdf.slots() {
                 let is_plain = scene.textures[texture].channels == 1
-                    && (name == "eta" || name == "alpha" && is_plastic);
+                    && (matches!(name, "eta" | "specular") || name == "alpha" && is_plastic);
                 for owner in &owners {
                     // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings
                     // are taken for both kinds.
@@ -93,7 +102,14 @@ impl<'s> Slots<'s> {
             Layout::Constant => {
                 let plain = self.uses[t].iter().any(|u| u.is_plain);
                 let suffix = if plain { "" } else { ".value" };
-                out.push(self.entry(t, suffix, &[channels], Target::Texels(t)));
+                let mut entry = self.entry(t, suffix, &[channels], Target::Texels(t));
+                entry.refusal = self.refusals.get(&t).copied();
+                if entry.refusal.is_some() {
+                    let number = f64::from(texture.texels[0][0]);
+                    entry.target = None;
+                    entry.fixed = Fixed::Numbers(vec![number; channels]);
+                }
+                out.push(entry);
             }
             Layout::Checkerboard { to_uv } => {
                 for number in 0..2 {

@@ -41,6 +41,16 @@ pub(super) const FRACTION: Kind = Kind {
     channels: 1,
     limits: [0.0, 1.0],
 };
+/// How much there is of a layer: 1 is what is meant to be the most.
+pub(super) const AMOUNT: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 100.0],
+};
+/// What stands for an index of refraction: 12.5 would be infinite.
+pub(super) const SPECULAR: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 10.0],
+};
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {
     channels: 1,

@@ -63,6 +63,8 @@ const KNOWN: &[(&str, &[&str])] = &[
             "roughplastic",
             "null",
             "mask",
+            "thindielectric",
+            "principled",
             "blendbsdf",
         ],
     ),
