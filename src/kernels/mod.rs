@@ -11,5 +11,6 @@ pub mod layered;
 pub mod light;
 pub mod microfacet;
 pub mod normal;
+pub mod relief;
 pub mod silhouette;
 pub mod triangle;

@@ -87,7 +87,7 @@ fn sharp_shadows(light: &str) -> String {
 pub fn asks_about_black(scene: &Scene, request: &SceneDifferential) -> bool {
     scene.materials.iter().any(|m| {
         let fractions = m.bsdf.fractions();
-        m.bsdf.textures().into_iter().any(|t| {
+        m.textures().into_iter().any(|t| {
             let is_whole = |texel: &[f32; 3]| fractions.contains(&t) && texel.contains(&1.0);
             let is_black = |texel: &[f32; 3]| texel.contains(&0.0) || is_whole(texel);
             request.texels[t].is_some() && scene.textures[t].texels.iter().any(is_black)

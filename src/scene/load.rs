@@ -173,9 +173,15 @@ impl<'a> Loader<'a> {
                 key,
             });
         }
-        let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
+        let coordinates = if textures.iter().any(|&t| self.textures.list[t].varies()) {
+            shape::Coordinates::Needed
+        } else if self.materials.has_grain(material) {
+            shape::Coordinates::Welcome
+        } else {
+            shape::Coordinates::Idle
+        };
         let (mut mesh, mut remarks) =
-            shape::mesh(&mut self.input, object, is_textured, &mut self.rounds)?;
+            shape::mesh(&mut self.input, object, coordinates, &mut self.rounds)?;
         mesh.id = id;
         mesh.material = material;
         mesh.area_light = area_light;

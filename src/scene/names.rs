@@ -64,6 +64,8 @@ fn class_name(object: &Object) -> &'static str {
         ("bsdf", "roughplastic") => "RoughPlastic",
         ("bsdf", "null") => "Null",
         ("bsdf", "mask") => "MaskBSDF",
+        ("bsdf", "normalmap") => "NormalMap",
+        ("bsdf", "bumpmap") => "BumpMap",
         ("bsdf", "thindielectric") => "ThinDielectric",
         ("bsdf", "principled") => "Principled",
         ("bsdf", "blendbsdf") => "BlendBSDF",

@@ -78,6 +78,12 @@ fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "diffuse" => &["reflectance"],
         "mask" => &["opacity"],
+        "normalmap" => &[
+            "normalmap",
+            "flip_invalid_normals",
+            "use_shadowing_function",
+        ],
+        "bumpmap" => &["scale", "flip_invalid_normals", "use_shadowing_function"],
         "principled" => &[
             "base_color",
             "roughness",

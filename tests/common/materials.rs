@@ -2,7 +2,7 @@
 
 use warpath::scene::{
     Bsdf, Distribution, Environment, EnvironmentMap, Layout, Material, Microfacets, Principled,
-    Rgb, Scene, Texture, Wrap,
+    Relief, Rgb, Scene, Texture, Wrap,
 };
 
 /// Gives the mesh `id` a material of its own, two-sided where that means anything.
@@ -19,6 +19,8 @@ pub trait Paint {
     fn layers(self, id: &str, alpha: f32) -> Self;
     /// The same that let light through.
     fn clear_layers(self, id: &str, alpha: f32) -> Self;
+    /// What it is made of with a map of normals, or bumps: texture coordinates are x and y.
+    fn relief(self, id: &str, bumps: Option<f32>) -> Self;
     /// A thin pane of index 1.5.
     fn pane(self, id: &str) -> Self;
     /// What it is made of under a mask of this opacity.
@@ -74,6 +76,7 @@ fn paint(mut scene: Scene, id: &str, bsdf: impl FnOnce(&mut Scene, &str) -> Bsdf
         key,
         bsdf,
         two_sided: true,
+        relief: None,
     });
     scene
 }
@@ -104,6 +107,7 @@ fn principled(scene: &mut Scene, key: &str, alpha: f32, transmits: bool) -> Bsdf
         anisotropic: one("anisotropic", 0.4),
         metallic: one("metallic", 0.3),
         spec_trans: one("spec_trans", if transmits { 0.6 } else { 0.0 }),
+        is_brushed: true,
         transmits,
         eta: one("specular", 0.6),
         by_specular: true,
@@ -129,6 +133,7 @@ fn over(mut scene: Scene, id: &str, of: impl FnOnce(&mut Scene, usize) -> Bsdf) 
         key: format!("{id}.cover"),
         bsdf,
         two_sided: false,
+        relief: None,
     });
     scene
 }
@@ -168,6 +173,45 @@ impl Paint for Scene {
         if let Some(material) = scene.materials.last_mut() {
             material.two_sided = false;
         }
+        scene
+    }
+
+    fn relief(self, id: &str, bumps: Option<f32>) -> Self {
+        let mut scene = mapped(self, id);
+        let wave = |i: u32| (i as f32 * 1.7).sin();
+        let texels = (0..20).map(|i| match bumps {
+            None => [0.5 + 0.15 * wave(i), 0.5 + 0.12 * wave(i + 5), 0.95],
+            Some(_) => [0.5 + 0.4 * wave(i); 3],
+        });
+        let name = if bumps.is_some() {
+            "nested_texture"
+        } else {
+            "normalmap"
+        };
+        scene.textures.push(Texture {
+            texels: texels.collect(),
+            layout: Layout::Bitmap {
+                width: 5,
+                height: 4,
+                wrap: Wrap::Repeat,
+                bilinear: true,
+                to_uv: glam::Affine2::from_scale_angle_translation(
+                    glam::vec2(0.5, 0.6),
+                    0.3,
+                    glam::vec2(0.1, 0.2),
+                ),
+            },
+            channels: if bumps.is_some() { 1 } else { 3 },
+            ..Texture::constant(format!("{id}.bsdf.{name}"), [0.0; 3])
+        });
+        let relief = Relief {
+            texture: scene.textures.len() - 1,
+            bumps,
+            is_mirrored: true,
+        };
+        let mesh = scene.meshes.iter().find(|m| m.id == id).expect("a mesh");
+        let material = mesh.material;
+        scene.materials[material].relief = Some(relief);
         scene
     }
 

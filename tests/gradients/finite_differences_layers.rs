@@ -39,11 +39,7 @@ fn what_masks_and_blends_are_made_of() {
 #[test]
 fn opacities_of_nothing_and_of_all() {
     let sheet = |opacity: f32| {
-        let above = parallelogram(
-            glam::vec3(-0.5, -0.5, 0.9),
-            glam::Vec3::X,
-            glam::Vec3::Y,
-        );
+        let above = parallelogram(glam::vec3(-0.5, -0.5, 0.9), glam::Vec3::X, glam::Vec3::Y);
         let scene = small_floor().solid("sheet", above, [0.3, 0.6, 0.5]);
         let scene = scene.constant_environment(SKY).depth(2);
         scene.masked("sheet", opacity)
@@ -155,4 +151,43 @@ fn layers_that_move() {
     check_to(COARSE, &scene, &[MOVED], 256, LONG_STEP, Fails);
     let blended = room(3).blended("floor", 0.5);
     check_to(COARSE, &blended, &[MOVED], 128, LONG_STEP, Fails);
+}
+
+#[test]
+fn what_reliefs_are_made_of() {
+    let normals = room(3).relief("floor", None);
+    let by = [1.0, 0.5, 0.2].as_slice();
+    check_to(
+        COARSE,
+        &normals,
+        &[("floor.bsdf.normalmap.data", by)],
+        128,
+        LONG_STEP,
+        Agrees,
+    );
+    let shiny = close_up()
+        .constant_environment(SKY)
+        .depth(3)
+        .metal("floor", 0.15, Ggx)
+        .relief("floor", None);
+    let turned = [("floor.bsdf.normalmap.data", by)];
+    check_to(COARSE, &shiny, &turned, 512, Some(0.01), Fails);
+    let bumps = room(3).relief("floor", Some(0.1));
+    let texels = bumps.textures.last().map_or(0, |t| t.texels.len());
+    let ramp: Vec<f32> = (0..texels).map(|i| (i as f32 * 0.9).cos()).collect();
+    let heights = [("floor.bsdf.nested_texture.data", ramp.as_slice())];
+    check_to(COARSE, &bumps, &heights, 128, Some(0.1), Agrees);
+}
+
+#[test]
+fn reliefs_that_move() {
+    for bumps in [None, Some(0.1)] {
+        let scene = close_up()
+            .constant_environment(SKY)
+            .depth(2)
+            .relief("floor", bumps);
+        check_to(0.05, &scene, &[MOVED], 128, Some(0.01), Fails);
+        let slid = [("floor.translation", [1.0, 0.4, 0.1].as_slice())];
+        check_to(COARSE, &scene, &slid, 256, Some(0.01), Fails);
+    }
 }

@@ -117,6 +117,14 @@ fn layered(depth: u32, has_pane: bool) -> Scene {
 }
 
 #[test]
+fn reliefs_depth_3() {
+    let scene = layered(3, false)
+        .relief("narrow", None)
+        .relief("wide", Some(0.05));
+    transposed(&scene, Method::Reparam, IDLE_LAYERS);
+}
+
+#[test]
 fn layered_depth_3() {
     transposed(&layered(3, false), Method::Reparam, IDLE_LAYERS);
 }

@@ -13,12 +13,18 @@ use crate::paths::environment::map;
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::relief::shown;
 use crate::trace::geometry::gather;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
     /// π times the BSDF toward `w`, of what this kind of light lights.
     pub(crate) fn bsdf_evaluate(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
+        self.shown(here, w, self.unhidden(here, w, light))
+    }
+
+    /// The same but for what a turned surface hides of itself.
+    fn unhidden(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
             return vertices.diffuse_reflectance;
@@ -48,6 +54,14 @@ impl BackwardSweep<'_> {
         masked(lit, value)
     }
 
+    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
+    pub(crate) fn shown(&self, here: &Solved, w: V3<Lane>, value: V3<Lane>) -> V3<Lane> {
+        if here.vertices.kinds.relief == 0 {
+            return value;
+        }
+        value * shown(here.vertices, here.base_n, here.n, w)
+    }
+
     /// Adds to the cotangents of the vertex from that of the BSDF, and returns that of `w`.
     pub(crate) fn bsdf_evaluate_backward(
         &self,
@@ -65,7 +79,14 @@ impl BackwardSweep<'_> {
         let kinds = &vertices.kinds;
         let [lit, lobes] = kinds.lit_by(light);
         let bits = bar.bits & lit;
+        let mut bar = bar;
         let mut layered_w = V3::splat(0.0);
+        let mut hidden_w = V3::splat(0.0);
+        if kinds.relief != 0 {
+            let value = self.unhidden(here, w, light);
+            let own = Cotangent::of_lanes(bits, bar.value);
+            (hidden_w, bar.value) = self.shown_backward(here, (w, value), own, bars);
+        }
         if let Some((layers, _)) = &here.layers {
             let bits = bits & kinds.layered();
             let (n, direction, w_bar, s, l) = layered_evaluate_adjoint(
@@ -99,7 +120,7 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, direction);
         bars.add_interface(bits, &s);
-        layered_w + masked(bits, w_bar)
+        hidden_w + layered_w + masked(bits, w_bar)
     }
 
     /// See `forward::ForwardSweep::emission`. `earlier` are the cotangents of the vertex `before`.

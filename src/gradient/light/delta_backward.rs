@@ -120,12 +120,16 @@ impl BackwardSweep<'_> {
             let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
             sent = V3::select(is_layered, own, sent);
         }
+        let unhidden = sent;
+        let sent = self.shown(here, w, sent);
         self.power(light, here, bar, sent * falloff, bars, sums);
         let power = splat(Vec3::from(self.view.scene.constant(light.power)));
         let arriving = radiance_bar.times(here.vertices.throughput).times(power);
-        let mut w_bar = V3::splat(0.0);
+        let sent_bar = Cotangent::of_lanes(bits, arriving * falloff);
+        let (hidden_w, sent_bar) = self.shown_backward(here, (w, unhidden), sent_bar, bars);
+        let mut w_bar = hidden_w;
         if let Some((layers, _)) = here.layers {
-            let bar = masked(layered, arriving * falloff);
+            let bar = masked(layered, sent_bar);
             let is_layered = lane_mask(layered);
             let (n, direction, own, s, l) =
                 layered_sent_adjoint(n, direction, w, interface, layers, kinds, is_layered, bar);
@@ -133,7 +137,7 @@ impl BackwardSweep<'_> {
             bars.direction = bars.direction + masked(layered, direction);
             bars.add_interface(layered, &s);
             bars.add_layers(layered, &l);
-            w_bar = masked(layered, own);
+            w_bar = w_bar + masked(layered, own);
         }
         let (n, direction, own, s) = bsdf_evaluate_glass_adjoint(
             n,
@@ -142,7 +146,7 @@ impl BackwardSweep<'_> {
             interface,
             is_glass,
             kinds,
-            masked(plain, arriving * falloff),
+            masked(plain, sent_bar),
         );
         bars.n = bars.n + masked(plain, n);
         bars.direction = bars.direction + masked(plain, direction);

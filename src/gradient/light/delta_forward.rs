@@ -68,6 +68,7 @@ impl ForwardSweep<'_> {
                         V3::select(is_layered, own, sent)
                     }
                 };
+                let sent = self.shown(here, w, sent);
                 brings = V3::select(is_glass, sent * falloff, brings);
             }
             let arrives = brings.times(power);

@@ -9,9 +9,11 @@ use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::layered::layered_sample_adjoint;
+use crate::adjoint::relief::relief_shadow_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
-use crate::kernels::bsdf::Interface;
-use crate::kernels::layered::Layers;
+use crate::kernels::bsdf::{Interface, bsdf_sample};
+use crate::kernels::layered::{Layers, layered_sample};
+use crate::kernels::relief::relief_shadow;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
@@ -21,6 +23,7 @@ use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::interface::slot_values;
 use crate::paths::surface::layers::{numbers, of_numbers};
 use crate::paths::surface::materials::SLOTS;
+use crate::paths::surface::relief::ReliefMaps;
 use glam::Vec3;
 
 /// Runs backward sweeps over a tile's store.
@@ -39,8 +42,12 @@ pub(crate) struct Solved<'a> {
     pub x: V3<Lane>,
     /// Unit shading normal on the side the ray came from.
     pub n: V3<Lane>,
+    /// The same before a picture turned it.
+    pub base_n: V3<Lane>,
     /// The same before it was kept above the arriving ray's horizon.
     pub raw_n: V3<Lane>,
+    /// What turns it.
+    pub relief: Option<ReliefMaps>,
     /// Lanes whose normal was.
     pub kept_above: u32,
     pub ids: [[u32; 3]; LANES],
@@ -74,6 +81,8 @@ impl Cotangent {
 pub(crate) struct VertexBars {
     pub x: V3<Lane>,
     pub n: V3<Lane>,
+    /// Of the normal before a picture turned it, besides what turns with it.
+    pub base_n: V3<Lane>,
     /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
     pub direction: V3<Lane>,
     pub throughput: V3<Lane>,
@@ -92,6 +101,7 @@ impl VertexBars {
         Self {
             x: none,
             n: none,
+            base_n: none,
             direction: none,
             throughput: none,
             arriving: none,
@@ -330,7 +340,15 @@ impl BackwardSweep<'_> {
             return;
         };
         let layered = vertices.kinds.layered();
-        let weight_bar = weight_bar * vertices.inverse_density;
+        let mut weight_bar = weight_bar * vertices.inverse_density;
+        let mut direction = direction;
+        if vertices.kinds.relief != 0 {
+            let (next, weight) = self.unhidden_bounce(here);
+            let bar = Cotangent::of_lanes(bits, weight_bar);
+            let (w_bar, kept) = self.shown_backward(here, (next, weight), bar, bars);
+            direction = direction + w_bar;
+            weight_bar = kept;
+        }
         if let Some((layers, _)) = &here.layers {
             let bits = bits & layered;
             let (n, arriving, _, s, l) = layered_sample_adjoint(
@@ -363,6 +381,50 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, arriving);
         bars.add_interface(bits, &s);
+    }
+
+    /// The next direction, and what the path is multiplied with but for what a turned surface hides
+    /// of itself.
+    fn unhidden_bounce(&self, here: &Solved) -> (V3<Lane>, V3<Lane>) {
+        let vertices = here.vertices;
+        let Some(interface) = here.interface else {
+            return (here.n, V3::splat(0.0));
+        };
+        let (lobes, kinds) = (vertices.lobes.masks(), vertices.kinds.masks());
+        let (n, direction, local) = (here.n, vertices.direction, vertices.local);
+        let through = self.view.transmission(vertices, n, local.z);
+        let (next, weight) = bsdf_sample(n, direction, local, interface, through, lobes, kinds);
+        let Some((layers, _)) = here.layers else {
+            return (next, weight);
+        };
+        let is_layered = lane_mask(vertices.kinds.layered());
+        let (own, layered) = layered_sample(n, direction, local, interface, layers, lobes, kinds);
+        (
+            V3::select(is_layered, own, next),
+            V3::select(is_layered, layered, weight),
+        )
+    }
+
+    /// From the cotangent of what is sent toward or from `w` to those of `w` and of what would be
+    /// sent if nothing hid it, `value`.
+    pub(crate) fn shown_backward(
+        &self,
+        here: &Solved,
+        (w, value): (V3<Lane>, V3<Lane>),
+        bar: Cotangent,
+        bars: &mut VertexBars,
+    ) -> (V3<Lane>, V3<Lane>) {
+        let relief = here.vertices.kinds.relief & bar.bits;
+        if relief == 0 {
+            return (V3::splat(0.0), bar.value);
+        }
+        let shown = relief_shadow(here.base_n, here.n, w);
+        let shown_bar = masked(relief, bar.value).dot(value);
+        let (base_n, n, w_bar) = relief_shadow_adjoint(here.base_n, here.n, w, shown_bar);
+        bars.base_n = bars.base_n + masked(relief, base_n);
+        bars.n = bars.n + masked(relief, n);
+        let kept = V3::select(lane_mask(relief), bar.value * shown, bar.value);
+        (masked(relief, w_bar), kept)
     }
 
     /// From what surfaces are made of to texels, and to where on the surface that is.

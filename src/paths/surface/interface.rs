@@ -39,6 +39,9 @@ impl SceneView<'_> {
                 kinds.black |= bit;
                 continue;
             }
+            if entry.relief.is_some() {
+                kinds.relief |= bit;
+            }
             if !self.materials.any_special {
                 continue;
             }

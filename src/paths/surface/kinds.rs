@@ -28,6 +28,8 @@ pub struct Kinds {
     pub grained: u32,
     /// Of the principled ones, those that let light through.
     pub transmits: u32,
+    /// A picture turns the normal.
+    pub relief: u32,
     /// Interfaces without roughness.
     pub smooth: u32,
     pub ggx: u32,

@@ -123,6 +123,7 @@ impl SceneView<'_> {
         );
         vertices.weight = weight * vertices.inverse_density;
         let Some(layers) = &surface.layers else {
+            vertices.weight = surface.shown(vertices, next, vertices.weight);
             return next;
         };
         let (own, weight) = layered_sample(
@@ -137,7 +138,9 @@ impl SceneView<'_> {
         let is_layered = lane_mask(vertices.kinds.layered());
         let weight = weight * vertices.inverse_density;
         vertices.weight = V3::select(is_layered, weight, vertices.weight);
-        V3::select(is_layered, own, next)
+        let next = V3::select(is_layered, own, next);
+        vertices.weight = surface.shown(vertices, next, vertices.weight);
+        next
     }
 
     /// Sets the lobe, its coordinate and its density in lanes that are more than diffuse.

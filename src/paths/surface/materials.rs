@@ -3,7 +3,7 @@
 use crate::paths::surface::choice::{Part, parts};
 use crate::paths::surface::kinds::Kinds;
 use crate::paths::surface::rough_transmission::TransmissionTable;
-use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
+use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Relief, Scene};
 
 /// Slots of a material: where its numbers go in `kernels::bsdf::Interface`.
 pub const REFLECTANCE: usize = 0;
@@ -39,6 +39,8 @@ const WIDE_ALPHA_BEFORE_MAPS: f32 = 0.05;
 pub struct Entry {
     /// Slot and texture.
     pub slots: Vec<(usize, usize)>,
+    /// What turns its normals.
+    pub relief: Option<Relief>,
     /// Whether what is in the slot of the index of refraction is Disney's `specular`.
     pub by_specular: bool,
     pub kinds: Kinds,
@@ -58,6 +60,8 @@ pub struct MaterialTable {
     pub any_special: bool,
     /// Whether any reflectance, index or roughness is not constant.
     pub any_texture: bool,
+    /// Whether a picture turns any normals.
+    pub any_relief: bool,
     /// Whether any interface is smooth: its reflections are sharp.
     pub any_smooth: bool,
 }
@@ -69,6 +73,7 @@ impl MaterialTable {
             .iter()
             .map(|m| Entry {
                 two_sided: m.two_sided,
+                relief: m.relief,
                 ..entry(scene, &m.bsdf)
             })
             .collect();
@@ -84,11 +89,13 @@ impl MaterialTable {
         let used: Vec<&Entry> = used.map(|e| &entries[e]).collect();
         let used = used.into_iter();
         let textures = |e: &Entry| {
-            let mut used = e.slots.iter();
+            let relief = e.relief.map(|r| (SLOTS, r.texture));
+            let mut used = e.slots.iter().chain(&relief);
             used.any(|&(_, t)| scene.textures[t].layout != Layout::Constant)
         };
         Self {
             any_special: used.clone().any(|e| e.kinds.special() != 0),
+            any_relief: used.clone().any(|e| e.relief.is_some()),
             any_smooth: used.clone().any(|e| e.kinds.smooth != 0),
             any_texture: used.clone().any(textures),
             any_choice: scene.meshes.iter().any(|m| !parts[m.material].is_empty()),
@@ -250,6 +257,7 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     Entry {
         slots,
         by_specular,
+        relief: None,
         kinds,
         two_sided: false,
         transmission,

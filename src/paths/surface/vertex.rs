@@ -10,6 +10,7 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::layers::tangent;
+use crate::paths::surface::relief::{shown, turned};
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -18,6 +19,8 @@ pub struct Surface {
     pub x: V3<Lane>,
     /// Unit shading normal, on the side the ray came from.
     pub n: V3<Lane>,
+    /// The same before a picture turned it.
+    pub base_n: V3<Lane>,
     /// Unit geometric normal, as the triangle is wound.
     pub geometric: V3<Lane>,
     pub b: [Lane; 2],
@@ -27,6 +30,16 @@ pub struct Surface {
     pub layers: Option<Layers<Lane>>,
     /// Whether someone asks about what is not there at present, so that it is drawn all the same.
     pub black_goes_on: bool,
+}
+
+impl Surface {
+    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
+    pub fn shown(&self, vertices: &Vertices, w: V3<Lane>, value: V3<Lane>) -> V3<Lane> {
+        if vertices.kinds.relief == 0 {
+            return value;
+        }
+        value * shown(vertices, self.base_n, self.n, w)
+    }
 }
 
 impl SceneView<'_> {
@@ -51,10 +64,16 @@ impl SceneView<'_> {
         n = n * vertices.facing;
         vertices.kinds = self.kinds(vertices);
         let special = vertices.kinds.special();
-        if special & smooth != 0 {
-            n = V3::select(lane_mask(special & smooth), consistent_normal(n, d), n);
+        let kept_above = (special | vertices.kinds.relief) & smooth;
+        if kept_above != 0 {
+            n = V3::select(lane_mask(kept_above), consistent_normal(n, d), n);
         }
         let b = [b1, b2];
+        let base_n = n;
+        if let Some(maps) = self.relief_maps(vertices, b) {
+            n = turned(vertices, n, [v0, v1, v2], &maps);
+        }
+        let special = special | vertices.kinds.relief;
         let interface = if special != 0 || self.materials.any_texture || vertices.choice.is_some() {
             let interface = self.interface(vertices, b);
             vertices.diffuse_reflectance = interface.reflectance;
@@ -81,6 +100,7 @@ impl SceneView<'_> {
             // plane, and rays that leave would meet their own surface.
             x: v0 + (v1 - v0) * b1 + (v2 - v0) * b2,
             n,
+            base_n,
             geometric,
             b,
             interface,
@@ -165,7 +185,7 @@ impl SceneView<'_> {
                 V3::select(lane_mask(vertices.kinds.layered()), layered, value)
             }
         };
-        masked(lit, value)
+        masked(lit, surface.shown(vertices, w, value))
     }
 
     /// What is sent of a beam of unit irradiance (across it) that comes from `w`, on either side, in
@@ -182,7 +202,7 @@ impl SceneView<'_> {
         };
         let (n, direction, kinds) = (surface.n, vertices.direction, vertices.kinds.masks());
         let sent = bsdf_evaluate_glass(n, direction, w, interface, lane_mask(glass), kinds);
-        match surface.layers {
+        let sent = match surface.layers {
             None => sent,
             Some(layers) => {
                 let layered = glass & vertices.kinds.layered();
@@ -190,7 +210,8 @@ impl SceneView<'_> {
                 let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
                 V3::select(is_layered, own, sent)
             }
-        }
+        };
+        surface.shown(vertices, w, sent)
     }
 
     /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were

@@ -9,6 +9,41 @@ pub struct Material {
     /// Reflects on both sides (`twosided`); otherwise the back is black. Means nothing to those
     /// that transmit.
     pub two_sided: bool,
+    /// What turns its normals (`normalmap`, `bumpmap`).
+    pub relief: Option<Relief>,
+}
+
+/// A picture that turns normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    pub texture: usize,
+    /// The heights of bumps are the picture's times this, in world units; else it is a map of
+    /// normals, of three channels.
+    pub bumps: Option<f32>,
+    /// It stands inside a `twosided`, so that the back is a mirror image of the front; otherwise it
+    /// is the same relief seen from the other side.
+    pub is_mirrored: bool,
+}
+
+impl Material {
+    /// The slots that hold a texture, under Mitsuba's names.
+    pub fn slots(&self) -> Vec<(&'static str, usize)> {
+        let mut slots = self.bsdf.slots();
+        slots.extend(self.relief.map(|relief| {
+            let name = if relief.bumps.is_some() {
+                "nested_texture"
+            } else {
+                "normalmap"
+            };
+            (name, relief.texture)
+        }));
+        slots
+    }
+
+    /// The textures of its slots.
+    pub fn textures(&self) -> Vec<usize> {
+        self.slots().into_iter().map(|slot| slot.1).collect()
+    }
 }
 
 /// Plugins of Mitsuba 3, with its conventions. Colours and roughnesses are indices into
@@ -75,6 +110,8 @@ pub struct Principled {
     pub anisotropic: usize,
     pub metallic: usize,
     pub spec_trans: usize,
+    /// Whether it has a grain, along which the roughness is another than across.
+    pub is_brushed: bool,
     /// Whether it lets any light through.
     pub transmits: bool,
     /// Index inside over index outside, or what stands for it.
@@ -235,6 +272,17 @@ impl Bsdf {
             Bsdf::Mask { nested, .. } => vec![("nested_bsdf", nested)],
             Bsdf::Blend { nested: [a, b], .. } => vec![("bsdf_0", a), ("bsdf_1", b)],
             _ => Vec::new(),
+        }
+    }
+
+    /// Whether its roughness depends on the direction.
+    pub fn has_grain(&self) -> bool {
+        match *self {
+            Bsdf::Principled(p) => p.is_brushed,
+            Bsdf::Conductor { microfacets, .. } | Bsdf::Dielectric { microfacets, .. } => {
+                microfacets.is_some_and(|m| m.alpha_v.is_some())
+            }
+            _ => false,
         }
     }
 

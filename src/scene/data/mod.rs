@@ -7,7 +7,7 @@ mod sensor;
 mod texture;
 
 pub use light::{AreaLight, DeltaLight, DeltaLightKind, Environment, EnvironmentMap};
-pub use material::{Bsdf, Distribution, Material, Microfacets, Principled};
+pub use material::{Bsdf, Distribution, Material, Microfacets, Principled, Relief};
 pub use mesh::{Mesh, Normals};
 pub use sensor::{Film, Filter, Sensor};
 pub use texture::{Layout, Rgb, Texture, Wrap};
@@ -70,9 +70,7 @@ impl Scene {
     /// The textures of a material and of all that it is made of.
     pub fn textures_of(&self, material: usize) -> Vec<usize> {
         let parts = self.parts_of(material).into_iter();
-        parts
-            .flat_map(|m| self.materials[m].bsdf.textures())
-            .collect()
+        parts.flat_map(|m| self.materials[m].textures()).collect()
     }
 
     /// The colour of a texture that is constant (the first texel of others).

@@ -88,8 +88,8 @@ impl Materials {
         mixed
     }
 
-    /// A bsdf inside a mixture.
-    fn nested(
+    /// A bsdf inside a mixture or a relief.
+    pub(super) fn nested(
         &mut self,
         input: &mut Input,
         textures: &mut Textures,

@@ -4,9 +4,10 @@ mod interface;
 mod metal;
 mod mixed;
 mod principled;
+mod relief;
 
 use super::camera::cannot_stand_inside;
-use super::data::{Bsdf, Material};
+use super::data::{Bsdf, Material, Relief};
 use super::error::SceneError;
 use super::input::Input;
 use super::texture::{REFLECTANCE, Slots, Textures};
@@ -22,6 +23,8 @@ pub(super) struct Materials {
     by_object: HashMap<usize, Bsdf>,
     /// By that element, and whether it is two-sided.
     by_use: HashMap<(usize, bool), usize>,
+    /// Pictures that turn normals, by the element that says so.
+    reliefs: HashMap<usize, Relief>,
     /// What says how much there is of the parts of a mixture, by its element.
     fractions: HashMap<usize, usize>,
     /// How many mixtures the present element stands in.
@@ -60,6 +63,9 @@ impl Materials {
             return Ok(material);
         }
         let tree = input.tree;
+        if relief::turns_normals(&tree.objects[inner]) {
+            return self.turned(input, textures, inner, key, two_sided);
+        }
         // Mitsuba puts what is inside a twosided one level down.
         let level = if two_sided { ".brdf_0" } else { "" };
         let bsdf = match self.by_object.get(&inner) {
@@ -84,6 +90,7 @@ impl Materials {
             key: key.to_string(),
             bsdf,
             two_sided,
+            relief: None,
         });
         let material = self.list.len() - 1;
         self.by_use.insert((inner, two_sided), material);
@@ -107,11 +114,20 @@ impl Materials {
 
     /// The textures of a material and of all that it is made of.
     pub fn textures(&self, material: usize) -> Vec<usize> {
-        let bsdf = &self.list[material].bsdf;
-        let nested = bsdf.nested().into_iter();
-        let mut textures = bsdf.textures();
+        let nested = self.list[material].bsdf.nested().into_iter();
+        let mut textures = self.list[material].textures();
         textures.extend(nested.flat_map(|n| self.textures(n.1)));
         textures
+    }
+
+    /// Whether texture coordinates say in which direction a material, or a part of it, is brushed or
+    /// turned.
+    pub fn has_grain(&self, material: usize) -> bool {
+        let material = &self.list[material];
+        let nested = material.bsdf.nested().into_iter();
+        material.relief.is_some()
+            || material.bsdf.has_grain()
+            || nested.map(|n| n.1).any(|n| self.has_grain(n))
     }
 
     /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.
@@ -125,6 +141,7 @@ impl Materials {
             key: key.to_string(),
             bsdf: Bsdf::Diffuse { reflectance },
             two_sided: false,
+            relief: None,
         });
         self.list.len() - 1
     }

@@ -27,12 +27,17 @@ const DEFAULT_SPECULAR: f64 = 0.5;
 const LEAST_SPECULAR: f64 = 1e-3;
 const LEAST_ETA: f64 = 1.001;
 
-/// Whether it lets light through: as in Mitsuba, if anything but a zero is given.
+/// Whether it lets light through.
 pub(super) fn transmits(object: &Object) -> Result<bool, SceneError> {
-    if object.children.iter().any(|c| c.name == "spec_trans") {
+    has(object, "spec_trans")
+}
+
+/// Whether it has a layer: as in Mitsuba, if anything but a zero is given.
+fn has(object: &Object, name: &str) -> Result<bool, SceneError> {
+    if object.children.iter().any(|c| c.name == name) {
         return Ok(true);
     }
-    Ok(object.number("spec_trans")?.is_some_and(|s| s != 0.0))
+    Ok(object.number(name)?.is_some_and(|s| s != 0.0))
 }
 
 pub(super) fn principled(mut slots: Slots) -> Result<Bsdf, SceneError> {
@@ -47,6 +52,7 @@ pub(super) fn principled(mut slots: Slots) -> Result<Bsdf, SceneError> {
         object.float(rate)?;
     }
     let transmits = transmits(object)?;
+    let is_brushed = has(object, "anisotropic")?;
     let (eta, by_specular) = eta(&mut slots, transmits)?;
     let mut of = |name, default, kind| slots.texture(name, [default; 3], kind);
     Ok(Bsdf::Principled(Principled {
@@ -55,6 +61,7 @@ pub(super) fn principled(mut slots: Slots) -> Result<Bsdf, SceneError> {
         anisotropic: of("anisotropic", 0.0, FRACTION)?,
         metallic: of("metallic", 0.0, FRACTION)?,
         spec_trans: of("spec_trans", 0.0, FRACTION)?,
+        is_brushed,
         transmits,
         eta,
         by_specular,

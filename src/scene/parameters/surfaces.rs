@@ -3,7 +3,7 @@
 use super::entry::{Entry, Fixed};
 use super::target::Target;
 use super::to_uv::rows;
-use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Scene};
+use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Material, Scene};
 use glam::Affine2;
 use std::collections::{HashMap, HashSet};
 
@@ -53,14 +53,18 @@ impl<'s> Slots<'s> {
             refusals: HashMap::new(),
         };
         for (material, owners) in scene.materials.iter().zip(owners(scene)) {
-            if let Bsdf::Principled(p) = material.bsdf
-                && !p.transmits
-            {
-                let why = "the surface lets no light through; give it a spec_trans above zero";
-                slots.refusals.insert(p.spec_trans, why);
+            if let Bsdf::Principled(p) = material.bsdf {
+                if !p.transmits {
+                    let why = "the surface lets no light through; give it a spec_trans above zero";
+                    slots.refusals.insert(p.spec_trans, why);
+                }
+                if !p.is_brushed {
+                    let why = "the surface has no grain; give it an anisotropic above zero";
+                    slots.refusals.insert(p.anisotropic, why);
+                }
             }
             let is_plastic = matches!(material.bsdf, Bsdf::Plastic { .. });
-            for (name, texture) in material.bsdf.slots() {
+            for (name, texture) in material.slots() {
                 let is_plain = scene.textures[texture].channels == 1
                     && (matches!(name, "eta" | "specular") || name == "alpha" && is_plastic);
                 for owner in &owners {
@@ -130,6 +134,11 @@ impl<'s> Slots<'s> {
             } => {
                 let shape = [height as usize, width as usize, channels];
                 out.push(self.entry(t, ".data", &shape, Target::Texels(t)));
+                let bumps = |m: &Material| {
+                    m.relief
+                        .is_some_and(|r| r.bumps.is_some() && r.texture == t)
+                };
+                let is_bumpy = self.scene.materials.iter().any(bumps);
                 let is_environment = self
                     .scene
                     .environment
@@ -137,7 +146,14 @@ impl<'s> Slots<'s> {
                     .is_some_and(|e| e.radiance == t);
                 if !is_environment {
                     let why = "without a bilinear filter its texels meet in edges, whose motion is not followed";
-                    out.push(self.to_uv(t, to_uv, (!bilinear).then_some(why)));
+                    let refusal = match (bilinear, is_bumpy) {
+                        (false, _) => Some(why),
+                        (true, true) => {
+                            Some("the slopes of bumps meet in edges, whose motion is not followed")
+                        }
+                        (true, false) => None,
+                    };
+                    out.push(self.to_uv(t, to_uv, refusal));
                 }
             }
         }

@@ -51,6 +51,16 @@ pub(super) const SPECULAR: Kind = Kind {
     channels: 1,
     limits: [0.0, 10.0],
 };
+/// Directions as colours.
+pub(super) const NORMALS: Kind = Kind {
+    channels: 3,
+    limits: [0.0, 1.0],
+};
+/// Heights.
+pub(super) const HEIGHT: Kind = Kind {
+    channels: 1,
+    limits: [f32::NEG_INFINITY, f32::INFINITY],
+};
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {
     channels: 1,

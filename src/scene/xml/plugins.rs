@@ -65,6 +65,8 @@ const KNOWN: &[(&str, &[&str])] = &[
             "mask",
             "thindielectric",
             "principled",
+            "normalmap",
+            "bumpmap",
             "blendbsdf",
         ],
     ),

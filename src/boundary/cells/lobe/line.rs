@@ -21,6 +21,7 @@ use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::layered::{Layers, layered_sample};
+use crate::kernels::relief::relief_shadow;
 use crate::lanes::Lane;
 use crate::paths::at::At;
 use crate::paths::moving::Sector;
@@ -102,6 +103,8 @@ pub struct LaneSurface<'a> {
     lane: usize,
     pub lobe: Lobe,
     pub n: DVec3,
+    /// The same before a picture turned it.
+    base_n: DVec3,
     direction: DVec3,
     interface: Option<Interface<f64>>,
     /// Given if the lane has layers or a grain.
@@ -119,6 +122,7 @@ impl<'a> LaneSurface<'a> {
             lane,
             lobe,
             n: lane_of(surface.n, lane).as_dvec3(),
+            base_n: lane_of(surface.base_n, lane).as_dvec3(),
             direction: lane_of(vertices.direction, lane).as_dvec3(),
             interface: surface
                 .interface
@@ -152,6 +156,16 @@ impl<'a> LaneSurface<'a> {
 
     /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
     fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
+        let (next, weight) = self.unhidden(local);
+        if self.at.vertices.kinds.relief >> self.lane & 1 == 0 {
+            return (next, weight);
+        }
+        let [base, turned] = [self.base_n, self.n].map(vector);
+        (next, weight * relief_shadow(base, turned, vector(next)))
+    }
+
+    /// The same without what a turned surface hides of itself.
+    fn unhidden(&self, local: DVec3) -> (DVec3, DVec3) {
         let local = vector(local);
         let Some(interface) = self.interface else {
             let n = vector(self.n);
