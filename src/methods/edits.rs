@@ -54,7 +54,12 @@ impl Edits {
     /// A table of materials keeps nothing of their colours.
     pub fn materials(&self, scene: &Scene) -> bool {
         let slots = scene.materials.iter().flat_map(|m| m.bsdf.slots());
-        let mut kept = slots.filter(|(name, _)| matches!(*name, "alpha" | "eta"));
+        let mut kept = slots.filter(|(name, _)| {
+            matches!(
+                *name,
+                "alpha" | "alpha_u" | "alpha_v" | "eta" | "roughness" | "anisotropic"
+            )
+        });
         kept.any(|(_, texture)| self.textures[texture])
     }
 

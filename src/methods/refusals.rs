@@ -51,19 +51,21 @@ pub fn check(
             sensor.id
         ));
     }
-    let used = || {
-        let used = scene.meshes.iter().map(|m| m.material);
-        used.map(|m| &scene.materials[m])
-    };
-    for material in used() {
+    let used = scene.meshes.iter().flat_map(|m| scene.parts_of(m.material));
+    for m in used {
+        let material = &scene.materials[m];
         let key = &material.key;
+        if scene.passes_straight_on(m) && misses(Discontinuity::BehindNull) {
+            let what = if material.bsdf == Bsdf::Null {
+                "behind a null surface edges are not found, so gradients by what moves would be wrong; \
+                 take the surface out"
+            } else {
+                "behind a mask edges are not found, so gradients by what moves would be wrong; \
+                 cut the mask's outline out of the mesh, or make the mask opaque"
+            };
+            return refuse(format!("{key}: {what}"));
+        }
         match material.bsdf {
-            Bsdf::Null if misses(Discontinuity::BehindNull) => {
-                return refuse(format!(
-                    "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
-                     take the surface out"
-                ));
-            }
             Bsdf::Conductor {
                 microfacets: None, ..
             }
@@ -72,10 +74,17 @@ pub fn check(
             }
             | Bsdf::Plastic {
                 microfacets: None, ..
-            } if misses(Discontinuity::Mirrored) => {
+            }
+            | Bsdf::ThinDielectric { .. }
+                if misses(Discontinuity::Mirrored) =>
+            {
                 return refuse(format!(
                     "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                     moves would be wrong; use its rough variant with an alpha such as 0.01"
+                     moves would be wrong; use {} with an alpha such as 0.01",
+                    match material.bsdf {
+                        Bsdf::ThinDielectric { .. } => "two sheets of roughdielectric",
+                        _ => "its rough variant",
+                    }
                 ));
             }
             _ => {}
@@ -167,8 +176,10 @@ fn sharp_shadows(light: &str) -> String {
 /// black surfaces then.
 pub fn asks_about_black(scene: &Scene, request: &SceneDifferential) -> bool {
     scene.materials.iter().any(|m| {
-        m.bsdf.textures().into_iter().any(|t| {
-            let is_black = |texel: &[f32; 3]| texel.contains(&0.0);
+        let fractions = m.bsdf.fractions();
+        m.textures().into_iter().any(|t| {
+            let is_whole = |texel: &[f32; 3]| fractions.contains(&t) && texel.contains(&1.0);
+            let is_black = |texel: &[f32; 3]| texel.contains(&0.0) || is_whole(texel);
             request.texels[t].is_some() && scene.textures[t].texels.iter().any(is_black)
         })
     })

@@ -127,6 +127,9 @@ mod tests {
                 geometric: from_lanes(&std::array::from_fn(|l| sides[l % 2])),
                 b: [Lane::splat(0.0); 2],
                 interface: None,
+                base_n: from_lanes(&[Vec3::Z; LANES]),
+                layers: None,
+                black_goes_on: false,
             };
             let between = BetweenPlanes::new(0b11, &surface);
             let rim = between.rim(&Vertices::default(), &surface).to_array();

@@ -83,6 +83,8 @@ pub enum Single {
     LightEdgePoint,
     /// The same of edges before the environment map.
     MapEdgePoint,
+    /// Which of the materials that a surface is made of a path meets: index, depth.
+    Choice,
 }
 
 /// Streams of their own, with what tells several of them apart.

@@ -29,7 +29,9 @@ pub struct Vertices {
     /// ±1: the side of the shading normal that looks back along the ray.
     pub facing: Lane,
     pub kinds: Kinds,
-    /// Product of weights before this vertex.
+    /// Which material each lane has met, where surfaces are made of several.
+    pub choice: Option<Box<Choice>>,
+    /// Product of weights before this vertex, and of that of the choice.
     pub throughput: V3<Lane>,
     /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from
     /// this side.
@@ -69,6 +71,17 @@ pub struct Vertices {
     pub environment: [u32; 2],
 }
 
+/// Of the materials that a surface is made of, the one that each lane has met.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// Its number among those of the surface (`paths::surface::choice`).
+    pub part: [u16; LANES],
+    /// One over the chance that it was chosen with.
+    pub inverse_chance: Lane,
+    /// Product of weights before the choice.
+    pub arriving: V3<Lane>,
+}
+
 /// A sample of the environment map in each lane.
 #[derive(Clone, Debug)]
 pub struct EnvironmentSample {
@@ -96,6 +109,8 @@ pub struct Lobes {
     pub diffuse: u32,
     pub reflected: u32,
     pub refracted: u32,
+    /// Of those that are reflected: by a clear coat above the rest.
+    pub coat: u32,
 }
 
 impl Lobes {
@@ -114,11 +129,24 @@ impl Lobes {
             is_diffuse: mask(self.diffuse),
             is_reflected: mask(self.reflected),
             is_refracted: mask(self.refracted),
+            is_coat: mask(self.coat),
         }
     }
 }
 
 impl Vertices {
+    /// Product of weights before this vertex.
+    pub fn arriving_throughput(&self) -> V3<Lane> {
+        self.choice
+            .as_ref()
+            .map_or(self.throughput, |choice| choice.arriving)
+    }
+
+    /// Lanes whose lobe shares the lights with light samples.
+    pub fn shares_lights(&self) -> u32 {
+        self.lobes.diffuse | (self.lobes.reflected & self.kinds.wide & !self.lobes.coat)
+    }
+
     /// Where a lane's ray ends, in f64.
     pub fn position(&self, geometry: &Geometry, lane: usize) -> DVec3 {
         let of = |v: V3<Lane>| {
@@ -162,6 +190,7 @@ impl Default for Vertices {
             triangle: [NO_TRIANGLE; LANES],
             facing: one,
             kinds: Kinds::default(),
+            choice: None,
             throughput: V3::splat(1.0),
             diffuse_reflectance: V3::splat(0.0),
             emission_weight: zero,

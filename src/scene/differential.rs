@@ -60,10 +60,17 @@ impl SceneDifferential {
         self.camera.is_some() || self.positions.iter().any(Option::is_some)
     }
 
-    /// Whether an index of refraction changes that bends rays.
+    /// Whether an index of refraction changes that bends rays, or a picture that turns normals.
     pub fn refraction_moves(&self, scene: &Scene) -> bool {
+        let turns = |t: usize| self.texels[t].is_some() || self.to_uv[t].is_some();
+        let mut reliefs = scene.materials.iter().filter_map(|m| m.relief);
+        reliefs.any(|r| turns(r.texture)) || self.bends(scene)
+    }
+
+    fn bends(&self, scene: &Scene) -> bool {
         scene.materials.iter().any(|m| match m.bsdf {
             super::Bsdf::Dielectric { eta, .. } => self.texels[eta].is_some(),
+            super::Bsdf::Principled(p) => p.transmits && self.texels[p.eta].is_some(),
             _ => false,
         })
     }

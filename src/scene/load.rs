@@ -275,7 +275,7 @@ impl<'a> Loader<'a> {
                     .add_default(&mut self.textures, &bsdf_key, emits)
             }
         };
-        let mut textures = self.materials.list[material].bsdf.textures();
+        let mut textures = self.materials.textures(material);
         let mut light = None;
         if let Some(child) = parts.emitter {
             if !self.met.insert(child.object) {
@@ -291,9 +291,15 @@ impl<'a> Loader<'a> {
                 key,
             });
         }
-        let is_textured = textures.iter().any(|&t| self.textures.list[t].varies());
+        let coordinates = if textures.iter().any(|&t| self.textures.list[t].varies()) {
+            shape::Coordinates::Needed
+        } else if self.materials.has_grain(material) {
+            shape::Coordinates::Welcome
+        } else {
+            shape::Coordinates::Idle
+        };
         let (mut mesh, mut remarks) =
-            shape::mesh(&mut self.input, object, is_textured, &mut self.rounds)?;
+            shape::mesh(&mut self.input, object, coordinates, &mut self.rounds)?;
         self.scene.warnings.append(&mut remarks);
         if mesh.triangles.is_empty() {
             return Ok(None);

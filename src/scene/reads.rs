@@ -111,6 +111,29 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
 fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "diffuse" => &["reflectance"],
+        "mask" => &["opacity"],
+        "normalmap" => &[
+            "normalmap",
+            "flip_invalid_normals",
+            "use_shadowing_function",
+        ],
+        "bumpmap" => &["scale", "flip_invalid_normals", "use_shadowing_function"],
+        "principled" => &[
+            "base_color",
+            "roughness",
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "eta",
+            "specular",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ],
+        "blendbsdf" => &["weight"],
         "conductor" => &["material", "eta", "k", "specular_reflectance"],
         "roughconductor" => &[
             "material",
@@ -122,7 +145,7 @@ fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
             "alpha_u",
             "alpha_v",
         ],
-        "dielectric" => &[
+        "dielectric" | "thindielectric" => &[
             "int_ior",
             "ext_ior",
             "specular_reflectance",

@@ -66,14 +66,26 @@ impl RoundShapes {
     }
 }
 
-/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that
-/// `is_textured` pays for texture coordinates with vertices split along seams.
+/// What texture coordinates are to a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Coordinates {
+    /// It has no use for any.
+    Idle,
+    /// They say in which direction its surface is brushed; without any its triangles do.
+    Welcome,
+    /// It has a texture.
+    Needed,
+}
+
+/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that has a use
+/// for texture coordinates pays for them with vertices split along seams.
 pub(super) fn mesh(
     input: &mut Input,
     object: &Object,
-    is_textured: bool,
+    coordinates: Coordinates,
     rounds: &mut RoundShapes,
 ) -> Result<(Mesh, Vec<String>), SceneError> {
+    let is_textured = coordinates != Coordinates::Idle;
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();
     let is_file = matches!(plugin, "ply" | "obj" | "serialized");
@@ -109,7 +121,7 @@ pub(super) fn mesh(
             (mesh, Some(file))
         }
     };
-    if is_textured && raw.uvs.is_none() {
+    if coordinates == Coordinates::Needed && raw.uvs.is_none() {
         let what = "the material or light of this shape has a texture, but its mesh has no texture coordinates";
         return Err(object.property_error("filename", what));
     }

@@ -93,6 +93,7 @@ fn add(
         key,
         bsdf: Bsdf::Diffuse { reflectance },
         two_sided: true,
+        relief: None,
     });
     scene.meshes.push(Mesh {
         id: id.into(),

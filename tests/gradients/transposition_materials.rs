@@ -20,6 +20,18 @@ const IDLE: &[&str] = &[
     "plastic.bsdf.brdf_0.reflectance.value",
 ];
 
+/// The same of [`layered`], and what lies under a blend of its own metal or a pane.
+const IDLE_LAYERS: &[&str] = &[
+    "lamp.bsdf.brdf_0.reflectance.value",
+    "floor.bsdf.brdf_0.reflectance.value",
+    "narrow.bsdf.brdf_0.reflectance.value",
+    "wide.bsdf.brdf_0.reflectance.value",
+    "glass.bsdf.brdf_0.reflectance.value",
+    "plastic.bsdf.brdf_0.reflectance.value",
+    "narrow.bsdf.alpha.value",
+    "glass.bsdf.alpha.value",
+];
+
 /// Narrow and wide metal, rough glass, plastic (smooth if none is given), pictures, the sun and a
 /// lamp.
 fn materials(depth: u32, plastic_alpha: Option<f32>) -> Scene {
@@ -128,6 +140,56 @@ fn depth_3() {
 #[test]
 fn depth_4() {
     transposed(&materials(4, Some(0.2)), Method::Reparam, IDLE);
+}
+
+/// Layers, brushed metal and glass, and a blend; masks and panes are refused where things move.
+fn layered(depth: u32, has_pane: bool) -> Scene {
+    let block = |at: Vec3| placed(cuboid(Vec3::splat(0.25)), vec3(10.0, 20.0, 30.0), at);
+    let scene = scene(
+        vec3(0.4, -4.0, 2.2),
+        vec3(0.0, 0.0, 0.3),
+        40.0,
+        [12, 10],
+        GAUSSIAN,
+    );
+    let scene = scene
+        .depth(depth)
+        .solid("floor", floor(1.5, 0.0), [0.5; 3])
+        .smooth("narrow", ball(2, vec3(0.5, -0.1, 0.4), 0.35), [0.5; 3])
+        .solid("wide", block(vec3(-0.6, 0.4, 0.4)), [0.5; 3])
+        .solid("glass", block(vec3(-0.2, -0.8, 0.5)), [0.5; 3])
+        .smooth("plastic", ball(1, vec3(-0.9, -0.5, 0.3), 0.3), [0.5; 3])
+        .light("lamp", ceiling(vec3(0.2, 0.1, 2.5), 0.5), [5.0, 6.0, 4.0])
+        .layers("floor", 0.25)
+        .brushed("narrow", [0.1, 0.3], Beckmann)
+        .layers("wide", 0.1)
+        .clear_layers("plastic", 0.2)
+        .blended("floor", 0.4)
+        .sunny();
+    if has_pane {
+        scene.pane("glass")
+    } else {
+        scene.brushed_glass("glass", [0.2, 0.12])
+    }
+}
+
+#[test]
+fn reliefs_depth_3() {
+    let scene = layered(3, false)
+        .relief("narrow", None)
+        .relief("wide", Some(0.05));
+    transposed(&scene, Method::Reparam, IDLE_LAYERS);
+}
+
+#[test]
+fn layered_depth_3() {
+    transposed(&layered(3, false), Method::Reparam, IDLE_LAYERS);
+}
+
+#[test]
+fn interior_masks_depth_4() {
+    let scene = with_a_bulb(layered(4, true).masked("plastic", 0.6));
+    transposed(&scene, Method::Interior, IDLE_LAYERS);
 }
 
 #[test]

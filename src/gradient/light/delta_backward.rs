@@ -1,12 +1,14 @@
 //! The backward sweep over delta lights.
 
 use crate::adjoint::bsdf::bsdf_evaluate_glass_adjoint;
+use crate::adjoint::layered::layered_sent_adjoint;
 use crate::adjoint::light::{
     direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
 };
 use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate_glass;
+use crate::kernels::layered::layered_sent;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::light::beam::{intensity, power_toward};
@@ -113,22 +115,46 @@ impl BackwardSweep<'_> {
         };
         let kinds = here.vertices.kinds.masks();
         let (n, direction, is_glass) = (here.n, here.vertices.direction, lane_mask(bits));
-        let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
+        let layered = bits & here.vertices.kinds.layered();
+        let plain = bits & !layered;
+        let mut sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, kinds);
+        if let Some((layers, _)) = here.layers {
+            let is_layered = lane_mask(layered);
+            let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
+            sent = V3::select(is_layered, own, sent);
+        }
+        let unhidden = sent;
+        let sent = self.shown(here, w, sent);
         let power = power_toward(&self.view.scene.textures, light, -w);
         let away_bar = self.power(light, here, bar, sent * falloff, power, bars, sums);
         let arriving = radiance_bar.times(here.vertices.throughput).times(power);
-        let (n, direction, w_bar, s) = bsdf_evaluate_glass_adjoint(
+        let sent_bar = Cotangent::of_lanes(bits, arriving * falloff);
+        let (hidden_w, sent_bar) = self.shown_backward(here, (w, unhidden), sent_bar, bars);
+        let mut w_bar = hidden_w;
+        if let Some((layers, _)) = here.layers {
+            let bar = masked(layered, sent_bar);
+            let is_layered = lane_mask(layered);
+            let (n, direction, own, s, l) =
+                layered_sent_adjoint(n, direction, w, interface, layers, kinds, is_layered, bar);
+            bars.n = bars.n + masked(layered, n);
+            bars.direction = bars.direction + masked(layered, direction);
+            bars.add_interface(layered, &s);
+            bars.add_layers(layered, &l);
+            w_bar = w_bar + masked(layered, own);
+        }
+        let (n, direction, own, s) = bsdf_evaluate_glass_adjoint(
             n,
             direction,
             w,
             interface,
             is_glass,
             kinds,
-            masked(bits, arriving * falloff),
+            masked(plain, sent_bar),
         );
-        bars.n = bars.n + masked(bits, n);
-        bars.direction = bars.direction + masked(bits, direction);
-        bars.add_interface(bits, &s);
+        bars.n = bars.n + masked(plain, n);
+        bars.direction = bars.direction + masked(plain, direction);
+        bars.add_interface(plain, &s);
+        w_bar = w_bar + masked(plain, own);
         let DeltaLightKind::Point { position } = light.kind else {
             return V3::splat(0.0);
         };

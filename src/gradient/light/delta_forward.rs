@@ -3,6 +3,7 @@
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, constant, value_of};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
 use crate::kernels::bsdf::bsdf_evaluate_glass;
+use crate::kernels::layered::layered_sent;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::light::beam::intensity;
@@ -50,6 +51,24 @@ impl ForwardSweep<'_> {
                     is_glass,
                     here.vertices.kinds.masks(),
                 );
+                let kinds = &here.vertices.kinds;
+                let sent = match here.layers {
+                    None => sent,
+                    Some(layers) => {
+                        let is_layered = lane_mask(glass & kinds.layered());
+                        let own = layered_sent::<D>(
+                            n,
+                            direction,
+                            w,
+                            *interface,
+                            layers,
+                            kinds.masks(),
+                            is_layered,
+                        );
+                        V3::select(is_layered, own, sent)
+                    }
+                };
+                let sent = self.shown(here, w, sent);
                 brings = V3::select(is_glass, sent * falloff, brings);
             }
             let arrives = brings.times(power);

@@ -1,6 +1,5 @@
 //! Delta lights: points and directions. They light whatever is not perfectly smooth.
 
-use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, Real, V3};
 use crate::paths::light::beam::power_toward;
@@ -79,19 +78,9 @@ impl SceneView<'_> {
             };
             let value = self.bsdf_evaluate(vertices, surface, w, LightKind::Delta);
             let mut brings = value * irradiance;
-            if let (Some(interface), true) = (&surface.interface, glass & seen != 0) {
-                let is_glass = lane_mask(glass);
-                let direction = vertices.direction;
-                let n = surface.n;
-                let sent = bsdf_evaluate_glass(
-                    n,
-                    direction,
-                    w,
-                    *interface,
-                    is_glass,
-                    vertices.kinds.masks(),
-                );
-                brings = V3::select(is_glass, sent * falloff, brings);
+            if glass & seen != 0 {
+                let sent = self.bsdf_sent(vertices, surface, w, glass);
+                brings = V3::select(lane_mask(glass), sent * falloff, brings);
             }
             let power = power_toward(&self.scene.textures, light, -w);
             sum = sum + masked(seen, brings.times(power));

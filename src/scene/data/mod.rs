@@ -9,7 +9,7 @@ mod texture;
 pub use light::{
     AreaLight, Beam, BeamProfile, DeltaLight, DeltaLightKind, Environment, EnvironmentMap,
 };
-pub use material::{Bsdf, Distribution, Material, Microfacets};
+pub use material::{Bsdf, Distribution, Material, Microfacets, Principled, Relief};
 pub use mesh::{Body, Mesh, Normals};
 pub use sensor::{Film, Filter, Lens, Sensor};
 pub use texture::{Layout, Rgb, Texture, Wrap};
@@ -57,6 +57,33 @@ pub struct Integrator {
 }
 
 impl Scene {
+    /// A material and all that it is made of.
+    pub fn parts_of(&self, material: usize) -> Vec<usize> {
+        let mut parts = vec![material];
+        let mut next = 0;
+        while let Some(&part) = parts.get(next) {
+            parts.extend(self.materials[part].bsdf.nested().iter().map(|n| n.1));
+            next += 1;
+        }
+        parts
+    }
+
+    /// Whether rays may go straight on through a material, as if it were not there, so that what
+    /// moves behind it is seen through it.
+    pub fn passes_straight_on(&self, material: usize) -> bool {
+        match self.materials[material].bsdf {
+            Bsdf::Null => true,
+            Bsdf::Mask { opacity, .. } => self.textures[opacity].texels.iter().any(|t| t[0] < 1.0),
+            _ => false,
+        }
+    }
+
+    /// The textures of a material and of all that it is made of.
+    pub fn textures_of(&self, material: usize) -> Vec<usize> {
+        let parts = self.parts_of(material).into_iter();
+        parts.flat_map(|m| self.materials[m].textures()).collect()
+    }
+
     /// The colour of a texture that is constant (the first texel of others).
     pub fn constant(&self, texture: usize) -> Rgb {
         self.textures[texture].texels[0]

@@ -60,13 +60,15 @@ impl Target {
     pub(super) fn moves_visibility(self, scene: &Scene) -> bool {
         match self {
             // What is seen through a smooth interface moves with its index of refraction.
-            Target::Texels(t) => scene.materials.iter().any(
-                |m| matches!(m.bsdf, Bsdf::Dielectric { eta, microfacets: None, .. } if eta == t),
-            ),
-            Target::Texel { .. }
-            | Target::ToUv(_)
-            | Target::EnvironmentScale
-            | Target::EnvironmentRotation => false,
+            Target::Texels(t) => scene.materials.iter().any(|m| {
+                m.relief.is_some_and(|r| r.texture == t)
+                    || matches!(m.bsdf, Bsdf::Dielectric { eta, microfacets: None, .. } if eta == t)
+            }),
+            Target::ToUv(t) => {
+                let mut reliefs = scene.materials.iter().filter_map(|m| m.relief);
+                reliefs.any(|r| r.texture == t)
+            }
+            Target::Texel { .. } | Target::EnvironmentScale | Target::EnvironmentRotation => false,
             _ => true,
         }
     }

@@ -36,6 +36,31 @@ pub(super) const METAL_INDEX: Kind = Kind {
     channels: 3,
     limits: [0.0, 1e6],
 };
+/// Parts of a whole.
+pub(super) const FRACTION: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 1.0],
+};
+/// How much there is of a layer: 1 is what is meant to be the most.
+pub(super) const AMOUNT: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 100.0],
+};
+/// What stands for an index of refraction: 12.5 would be infinite.
+pub(super) const SPECULAR: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 10.0],
+};
+/// Directions as colours.
+pub(super) const NORMALS: Kind = Kind {
+    channels: 3,
+    limits: [0.0, 1.0],
+};
+/// Heights.
+pub(super) const HEIGHT: Kind = Kind {
+    channels: 1,
+    limits: [f32::NEG_INFINITY, f32::INFINITY],
+};
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {
     channels: 1,

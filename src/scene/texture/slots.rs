@@ -32,6 +32,17 @@ impl<'a> Slots<'_, 'a> {
         Ok(())
     }
 
+    /// The same beside bsdfs.
+    pub fn only_beside_bsdfs(&self, names: &[&str]) -> Result<(), SceneError> {
+        for child in &self.object.children {
+            let inner = &self.input.tree.objects[child.object];
+            if inner.tag != "bsdf" && !names.contains(&child.name.as_str()) {
+                return Err(self.no_such_slot(child, names));
+            }
+        }
+        Ok(())
+    }
+
     fn no_such_slot(&self, child: &Child, names: &[&str]) -> SceneError {
         let what = if child.name.is_empty() {
             format!(

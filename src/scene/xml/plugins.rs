@@ -65,6 +65,12 @@ const KNOWN: &[(&str, &[&str])] = &[
             "plastic",
             "roughplastic",
             "null",
+            "mask",
+            "thindielectric",
+            "principled",
+            "normalmap",
+            "bumpmap",
+            "blendbsdf",
         ],
     ),
     (

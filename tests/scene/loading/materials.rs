@@ -83,10 +83,12 @@ fn conductors_have_mitsubas_metals() {
     );
     let Bsdf::Conductor {
         eta,
-        microfacets: Some(Microfacets {
-            distribution,
-            alpha,
-        }),
+        microfacets:
+            Some(Microfacets {
+                distribution,
+                alpha,
+                ..
+            }),
         ..
     } = metal
     else {

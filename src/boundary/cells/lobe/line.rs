@@ -20,12 +20,15 @@ use crate::boundary::shadows::chance_of_any;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
+use crate::kernels::layered::{Layers, layered_sample};
+use crate::kernels::relief::relief_shadow;
 use crate::lanes::Lane;
 use crate::paths::at::At;
 use crate::paths::moving::Sector;
 use crate::paths::rays::lane_of;
 use crate::paths::store::Vertices;
 use crate::paths::surface::interface::interface_of_lane;
+use crate::paths::surface::layers::layers_of_lane;
 use crate::paths::surface::lobe_sample::{View, frame_of_lane};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
@@ -100,8 +103,12 @@ pub struct LaneSurface<'a> {
     lane: usize,
     pub lobe: Lobe,
     pub n: DVec3,
+    /// The same before a picture turned it.
+    base_n: DVec3,
     direction: DVec3,
     interface: Option<Interface<f64>>,
+    /// Given if the lane has layers or a grain.
+    layers: Option<Layers<f64>>,
     transmission: Option<RoughTransmission<f64>>,
 }
 
@@ -115,11 +122,18 @@ impl<'a> LaneSurface<'a> {
             lane,
             lobe,
             n: lane_of(surface.n, lane).as_dvec3(),
+            base_n: lane_of(surface.base_n, lane).as_dvec3(),
             direction: lane_of(vertices.direction, lane).as_dvec3(),
             interface: surface
                 .interface
                 .as_ref()
                 .map(|s| interface_of_lane(s, lane)),
+            layers: match &surface.layers {
+                Some(l) if vertices.kinds.layered() >> lane & 1 == 1 => {
+                    Some(layers_of_lane(l, lane))
+                }
+                _ => None,
+            },
             transmission: None,
         }
     }
@@ -142,6 +156,16 @@ impl<'a> LaneSurface<'a> {
 
     /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
     fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
+        let (next, weight) = self.unhidden(local);
+        if self.at.vertices.kinds.relief >> self.lane & 1 == 0 {
+            return (next, weight);
+        }
+        let [base, turned] = [self.base_n, self.n].map(vector);
+        (next, weight * relief_shadow(base, turned, vector(next)))
+    }
+
+    /// The same without what a turned surface hides of itself.
+    fn unhidden(&self, local: DVec3) -> (DVec3, DVec3) {
         let local = vector(local);
         let Some(interface) = self.interface else {
             let n = vector(self.n);
@@ -155,7 +179,20 @@ impl<'a> LaneSurface<'a> {
             is_diffuse: self.lobe == Lobe::Diffuse,
             is_reflected: self.lobe == Lobe::Reflected,
             is_refracted: self.lobe == Lobe::Refracted,
+            is_coat: self.at.vertices.lobes.coat >> self.lane & 1 == 1,
         };
+        if let Some(layers) = self.layers {
+            let (next, weight) = layered_sample(
+                vector(self.n),
+                vector(self.direction),
+                local,
+                interface,
+                layers,
+                lobes,
+                self.at.vertices.kinds.masks_of_lane(self.lane),
+            );
+            return (dvec3(next), dvec3(weight));
+        }
         let (next, weight) = bsdf_sample(
             vector(self.n),
             vector(self.direction),
@@ -295,7 +332,8 @@ impl Line {
         ];
         let poles = [poles[0], poles[1].normalize()];
         let tilted = |tangent: DVec3| {
-            let h = (at.n + tangent * view.alpha).normalize();
+            let alpha = view.alpha_along(at.at.vertices, at.lane, tangent);
+            let h = (at.n + tangent * alpha).normalize();
             let local = DVec3::from(frame.map(|axis| axis.dot(h)));
             let angle = at.bounce(local).0.angle_between(main);
             angle.clamp(NARROWEST, 1.0)
