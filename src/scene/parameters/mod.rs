@@ -14,7 +14,7 @@ mod to_uv;
 mod value;
 
 pub use cotangent::{reduce, wanted};
-pub use motion::{apply, displace};
+pub use motion::{apply, displace, pivot};
 pub use parameter::Parameter;
 pub use tangent::tangent;
 pub use target::Target;

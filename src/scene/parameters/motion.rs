@@ -10,7 +10,7 @@ use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// The point that rotations and scalings of a mesh leave in place: its bounding-box centre.
-pub(super) fn pivot(mesh: &Mesh) -> DVec3 {
+pub fn pivot(mesh: &Mesh) -> DVec3 {
     let mut positions = mesh.positions.iter().map(|p| p.as_dvec3());
     let first = positions.next().unwrap_or_default();
     let (low, high) = positions.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
