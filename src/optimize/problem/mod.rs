@@ -3,6 +3,7 @@
 pub mod base;
 mod pictures;
 pub mod pose;
+mod remeshing;
 pub mod seeds;
 pub mod silhouette;
 pub mod variable;
@@ -14,9 +15,8 @@ use crate::methods::{EngineError, Prepared, Progress, Settings, Workers};
 use crate::optimize::cameras;
 use crate::optimize::config::Config;
 use crate::optimize::loss::Comparison;
-use crate::optimize::run::state::State;
 use crate::picture::Image;
-use crate::scene::parameters::Target;
+use crate::scene::parameters::{self, Target};
 use crate::scene::{self, Normals, Scene, vertex_normals};
 use crate::trace::Backend;
 use base::SceneBase;
@@ -43,6 +43,8 @@ pub struct Problem {
     pub variables: Vec<Variable>,
     pub views: Vec<View>,
     pub held_out: Vec<View>,
+    /// The scene with its first values.
+    pub start: Scene,
     /// The scene that is to be found, if it is known.
     pub truth: Option<Scene>,
     pub warnings: Vec<String>,
@@ -57,7 +59,7 @@ impl Problem {
         machine: Machine,
         progress: &dyn Progress,
     ) -> Result<Self, Failure> {
-        let start = Instant::now();
+        let begun = Instant::now();
         let mut scene = scene::load(&config.scene, &config.defines)?;
         let wanted = match &config.views.cameras {
             Some(found) => cameras::add(found, &mut scene, config.truth.is_some())?,
@@ -88,9 +90,10 @@ impl Problem {
                 )?)
             }
         };
+        let start = at_start(&scene, &variables)?;
         let base = SceneBase::new(scene, &machine.workers, machine.backend, links)?;
-        let loaded = start.elapsed().as_secs_f64();
-        let start = Instant::now();
+        let loaded = begun.elapsed().as_secs_f64();
+        let begun = Instant::now();
         let mut problem = Self {
             config,
             machine,
@@ -100,12 +103,13 @@ impl Problem {
             variables,
             views: Vec::new(),
             held_out: Vec::new(),
+            start,
             truth,
             warnings,
             seconds: [loaded, 0.0],
         };
         problem.read_views(&wanted, progress)?;
-        problem.seconds[1] = start.elapsed().as_secs_f64();
+        problem.seconds[1] = begun.elapsed().as_secs_f64();
         Ok(problem)
     }
 
@@ -222,17 +226,6 @@ impl Problem {
         }
     }
 
-    /// Puts the meshes of a state into the scene, if they have other triangles than it was loaded
-    /// with.
-    pub fn restore_meshes(&mut self, _state: &State) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    /// Makes new triangles, if the next step asks for them.
-    pub fn remesh(&mut self, _state: &mut State) -> Result<(), Failure> {
-        Ok(())
-    }
-
     /// Samples that shares can part evenly.
     pub fn even(&self, spp: u32) -> u32 {
         spp.max(1)
@@ -275,6 +268,16 @@ fn truth(config: &Config, scene: &Scene) -> Result<Option<Scene>, Failure> {
         }
     }
     Ok(Some(found))
+}
+
+fn at_start(scene: &Scene, variables: &[Variable]) -> Result<Scene, Failure> {
+    let mut scene = scene.clone();
+    for variable in variables {
+        let values = variable.start(&scene)?;
+        let values: Vec<f32> = values.iter().map(|&v| v as f32).collect();
+        parameters::apply(&mut scene, &variable.parameter, &values)?;
+    }
+    Ok(scene)
 }
 
 /// In which order values are set.
