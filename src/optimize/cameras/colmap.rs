@@ -1,6 +1,6 @@
 //! COLMAP's text models: `cameras.txt` and `images.txt`.
 
-use super::Found;
+use super::found::Found;
 use super::lens::{Lens, one_focal_length};
 use crate::files;
 use crate::jobs::failure::Failure;

@@ -4,6 +4,7 @@
 //! +x to the right and +y up, COLMAP's along +z with +x to the right and +y down.
 
 mod colmap;
+mod found;
 mod lens;
 mod transforms;
 
@@ -12,18 +13,9 @@ use super::problem::view::Wanted;
 use crate::jobs::failure::Failure;
 use crate::output::picture::PictureFile;
 use crate::scene::{Film, Scene, Sensor};
-use glam::{Affine3A, DAffine3};
-use lens::Lens;
-use std::path::{Path, PathBuf};
-
-/// A camera with its picture.
-struct Found {
-    name: String,
-    /// Camera to world, with the axes used here.
-    to_world: DAffine3,
-    lens: Lens,
-    picture: PathBuf,
-}
+use found::Found;
+use glam::Affine3A;
+use std::path::Path;
 
 /// Adds the cameras to the scene, and says which views they are. Of a known scene, whose targets
 /// are rendered, no pictures are looked for.

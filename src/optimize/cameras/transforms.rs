@@ -1,6 +1,6 @@
 //! NeRF's `transforms.json`: the cameras of Blender's exporter, of instant-ngp and of nerfstudio.
 
-use super::Found;
+use super::found::Found;
 use super::lens::{Lens, one_focal_length};
 use crate::files;
 use crate::jobs::failure::Failure;

@@ -1,5 +1,6 @@
 //! `[views]`, `[[view]]`, `[cameras]` and `[truth]`: what is seen, from where.
 
+use super::document::Value;
 use super::table::Table;
 use crate::jobs::failure::Failure;
 use crate::jobs::settings::MOST_SAMPLES;
@@ -119,8 +120,8 @@ fn one(table: Table, folder: &Path) -> Result<ViewSettings, Failure> {
     };
     let sensor = match table.node("sensor").map(|node| &node.value) {
         None => None,
-        Some(super::Value::Whole(n)) if *n >= 0 => Some(n.to_string()),
-        Some(super::Value::Text(id)) => Some(id.clone()),
+        Some(Value::Whole(n)) if *n >= 0 => Some(n.to_string()),
+        Some(Value::Text(id)) => Some(id.clone()),
         Some(_) => {
             let what = "write a sensor's id, or its number counted from 0";
             return Err(table.error("sensor", what));

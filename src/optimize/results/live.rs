@@ -1,8 +1,8 @@
 //! What is shown while a run goes on.
 
 use super::page::{self, Figure};
-use super::scene_xml::plain;
 use super::strip::Strip;
+use super::text::plain;
 use super::{curve, errors};
 use crate::jobs::failure::Failure;
 use crate::optimize::problem::Problem;

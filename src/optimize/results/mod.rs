@@ -8,11 +8,13 @@ pub mod page;
 pub mod scene_xml;
 pub mod strip;
 mod surface_xml;
+mod text;
 mod turntable;
 pub mod views;
 
 use super::problem::Problem;
 use super::run::state::State;
+use super::shape::intersections;
 use crate::jobs::failure::Failure;
 use crate::methods::Progress;
 use crate::output::{atomic, exr, png};
@@ -20,10 +22,10 @@ use crate::scene::Scene;
 use crate::scene::parameters::{self, Target};
 use errors::ParameterError;
 use page::Figure;
-use scene_xml::plain;
 use std::io::Write;
 use std::path::Path;
 use strip::Strip;
+use text::plain;
 
 /// What was written, and what it says.
 #[derive(Default)]
@@ -152,6 +154,12 @@ fn mesh(
     figures: &mut Vec<Figure>,
 ) -> Result<(), Failure> {
     let name = format!("mesh-{}", plain(&mesh.id));
+    if let Some(crossing @ 1..) = intersections::count(&mesh.positions, &mesh.triangles) {
+        out.warnings.push(format!(
+            "{}: it passes through itself, in {crossing} pairs of triangles",
+            mesh.id
+        ));
+    }
     let [ply, obj] = ["ply", "obj"].map(|kind| format!("{name}.{kind}"));
     meshes::ply(&directory.join(&ply), mesh)?;
     meshes::obj(&directory.join(&obj), mesh)?;

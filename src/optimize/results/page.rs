@@ -153,5 +153,5 @@ fn table(problem: &Problem, state: &State, errors: &[ParameterError], text: &mut
 
 /// As HTML has it.
 fn escaped(text: &str) -> String {
-    super::scene_xml::escaped(text).replace('>', "&gt;")
+    super::text::escaped(text).replace('>', "&gt;")
 }

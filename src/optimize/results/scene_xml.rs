@@ -7,6 +7,7 @@
 
 use super::meshes;
 use super::surface_xml::Surfaces;
+use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
 use crate::scene::{DeltaLightKind, Filter, Normals, Scene, Sensor};
@@ -193,30 +194,4 @@ fn lights(scene: &Scene, surfaces: &mut Surfaces, text: &mut String) -> Result<(
         text.push_str("  </emitter>\n");
     }
     Ok(())
-}
-
-/// Numbers with commas between.
-pub fn joined(numbers: &[f32]) -> String {
-    let shown: Vec<String> = numbers.iter().map(f32::to_string).collect();
-    shown.join(", ")
-}
-
-/// As XML has it in an attribute.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-/// A name of a file.
-pub fn plain(id: &str) -> String {
-    let keep = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    id.chars().take(60).map(keep).collect()
 }

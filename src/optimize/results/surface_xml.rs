@@ -1,6 +1,6 @@
 //! Materials and textures as Mitsuba 3 XML.
 
-use super::scene_xml::{escaped, joined, plain};
+use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::exr;
 use crate::picture::Image;

@@ -133,6 +133,9 @@ fn whole(
         true => results::finish(&options.directory, &problem, &state, &progress)?,
         false => results::Written::default(),
     };
+    for warning in &written.warnings {
+        watch.warn(warning);
+    }
     statistics.spend("results", begun.elapsed().as_secs_f64() - loop_seconds);
     Ok(Summary {
         steps: state.step,

@@ -3,49 +3,17 @@
 //! The image in the loss and the derivative have independent samples: E[f′(I)·∂I] is E[f′(I)]·∂I
 //! then, which for a loss with a linear derivative is the gradient itself.
 
+use super::found::{Evaluation, Look, Sampling};
 use super::ranks::Ranks;
 use super::total_variation;
 use super::unit::{Units, failed, is_of_silhouette};
 use crate::jobs::failure::Failure;
 use crate::methods::{EditedScene, Progress, Statistics};
-use crate::optimize::loss::{Comparison, LossEstimate, estimate};
+use crate::optimize::loss::{Comparison, estimate};
 use crate::optimize::problem::Problem;
 use crate::optimize::problem::base::SceneBase;
 use crate::picture::Image;
 use std::time::Instant;
-
-/// An image that a step looks at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
-    /// Index into the problem's views.
-    pub view: usize,
-    /// What the shapes cover, in place of the image itself.
-    pub silhouette: bool,
-}
-
-/// With how many samples, and by which random numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampling {
-    pub step: u64,
-    /// Of the derivative, a pixel.
-    pub spp: u32,
-    /// Of the image in the loss.
-    pub loss_spp: u32,
-}
-
-/// What one step has found.
-#[derive(Clone, Debug, Default)]
-pub struct Evaluation {
-    pub loss: LossEstimate,
-    /// What is added to the loss: total variation.
-    pub penalty: f64,
-    /// By variable: the gradient by its values, and the variance of each number of it.
-    pub gradients: Vec<Vec<f64>>,
-    pub variances: Vec<Vec<f64>>,
-    /// The image of each view that was looked at.
-    pub images: Vec<(usize, Image)>,
-    pub statistics: Statistics,
-}
 
 /// Measures the loss of `looks` and differentiates it.
 pub fn evaluate(

@@ -1,6 +1,6 @@
 //! Total variation: what keeps textures from fitting noise [Rudin1992].
 
-use super::evaluate::Evaluation;
+use super::found::Evaluation;
 use crate::optimize::problem::Problem;
 use crate::scene::Layout;
 use crate::scene::parameters::Target;

@@ -1,6 +1,6 @@
 //! Units of work: one share of one look's samples.
 
-use super::evaluate::{Look, Sampling};
+use super::found::{Look, Sampling};
 use crate::jobs::failure::Failure;
 use crate::methods::{
     EngineError, Groups, Objective, Prepared, Progress, Settings, Statistics, group_count,
