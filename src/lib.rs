@@ -3,7 +3,7 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint →
 //! discontinuity → paths → gradient and boundary, which do not know each other → methods →
-//! output → jobs → bench → batch → cli`.
+//! output → jobs → bench → batch and optimize → cli`.
 
 pub mod adjoint;
 pub mod batch;
@@ -17,6 +17,7 @@ pub mod jobs;
 pub mod kernels;
 pub mod lanes;
 pub mod methods;
+pub mod optimize;
 pub mod output;
 pub mod paths;
 pub mod picture;

@@ -26,7 +26,8 @@ const EXAMPLES: &str = "Examples:
   warpath forward scenes/demo.xml --param occluder.translation=1,0,0 --spp 64
   warpath backward scenes/demo.xml --param occluder.vertex_positions --target target.exr --loss l2
   warpath check scenes/demo.xml --param occluder.translation=1,0,0
-  warpath batch jobs.jsonl -o out/jobs --resume";
+  warpath batch jobs.jsonl -o out/jobs --resume
+  warpath optimize fit.toml --set steps=200 -o out/fit";
 
 /// Gradients of path-traced images, through visibility, on the CPU.
 ///
@@ -106,6 +107,15 @@ pub enum Command {
     /// 1 if they are not all the shards of one batch.
     #[command(after_help = "Example: warpath merge out/1-of-2 out/2-of-2 -o out/all")]
     Merge(MergeArguments),
+    /// Inverse rendering: from pictures to shape, pose, light and material
+    ///
+    /// Moves parameters of a scene until its images are those of the targets. docs/optimize.md has
+    /// every key of the configuration. Writes the loss curve, pictures of every view, the page
+    /// index.html, meshes, textures, the final scene, a checkpoint and report.json.
+    #[command(
+        after_help = "Example: warpath optimize fit.toml --set optimizer.lr=0.02 -o out/fit\nExample: warpath optimize fit.toml -o out/fit --resume"
+    )]
+    Optimize(OptimizeArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -317,6 +327,33 @@ pub struct MergeArguments {
     /// Directory for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/merged")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath optimize`
+#[derive(Debug, Args)]
+pub struct OptimizeArguments {
+    /// What to optimise, and how (TOML)
+    pub config: PathBuf,
+    /// Gives another value to a key of the configuration; repeat for more
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Directory for the files [default: out/optimize-CONFIG]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Goes on from the checkpoint in the directory
+    #[arg(long)]
+    pub resume: bool,
+    /// Begins anew though the directory has a checkpoint
+    #[arg(long, conflicts_with = "resume")]
+    pub fresh: bool,
+    /// Threads [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// What traces the rays, as in forward
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    pub backend: Backend,
     #[command(flatten)]
     pub talk: TalkArguments,
 }

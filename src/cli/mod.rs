@@ -11,6 +11,8 @@ mod exit;
 mod forward;
 mod log;
 mod merge;
+mod optimize;
+mod optimize_progress;
 mod pace;
 mod params;
 mod progress;
@@ -30,7 +32,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 2] = ["optimize", "study"];
+const NOT_BUILT_YET: [&str; 1] = ["study"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -51,6 +53,7 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Bench(bench) => bench::run(bench, typed),
         Command::Batch(batch) => batch::run(batch, typed),
         Command::Merge(merge) => merge::run(merge),
+        Command::Optimize(optimize) => optimize::run(optimize, typed),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -78,6 +81,7 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Bench(a) => Log::new(&a.talk),
         Command::Batch(a) => Log::new(&a.talk),
         Command::Merge(a) => Log::new(&a.talk),
+        Command::Optimize(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }

@@ -8,8 +8,10 @@ use super::prepared::Prepared;
 use super::progress::Progress;
 use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
+use super::statistics::Statistics;
 use super::tails::object_of;
 use super::workers::Workers;
+use crate::picture::Image;
 use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter};
 
@@ -65,6 +67,24 @@ impl Prepared<'_> {
         progress: &dyn Progress,
     ) -> Result<Rendering, EngineError> {
         super::render::render(self, settings, progress)
+    }
+
+    /// Renders the images of the groups of samples that the settings ask for, each independent of
+    /// the others.
+    pub fn group_images(
+        &self,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Image>, Statistics), EngineError> {
+        let mut statistics = Statistics::default();
+        let (groups, [width, height]) =
+            super::render::group_images(self, settings, progress, &mut statistics)?;
+        let image = |pixels| Image {
+            width,
+            height,
+            pixels,
+        };
+        Ok((groups.into_iter().map(image).collect(), statistics))
     }
 
     /// Forward mode: the derivative of the image along one direction in parameter space.

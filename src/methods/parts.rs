@@ -94,6 +94,12 @@ impl Parts {
         })
     }
 
+    /// Links the triangles now, so that edited scenes need only link what has moved.
+    pub fn link(&self, workers: &Workers) {
+        let make = || workers.pool.install(|| Adjacency::new(&self.geometry));
+        self.adjacency.get_or_init(make);
+    }
+
     /// What rays are traced against.
     pub fn accel(&self) -> &Arc<Accel> {
         &self.accel

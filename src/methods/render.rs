@@ -39,7 +39,7 @@ pub fn render(
     Ok(Rendering { image, statistics })
 }
 
-/// Images of each group of samples, for finite differences.
+/// Images of each group of samples that is done here.
 pub fn group_images(
     prepared: &Prepared,
     settings: &Settings,
@@ -48,11 +48,12 @@ pub fn group_images(
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
     let stage = Stage::new(prepared, settings, None, statistics)?;
     let pixels = stage.size[0] * stage.size[1];
-    let images = (0..stage.groups).map(|_| room::filled([0.0; 3], pixels));
+    let own = stage.own_groups();
+    let images = own.clone().map(|_| room::filled([0.0; 3], pixels));
     let mut images = images.collect::<Result<Vec<_>, _>>()?;
     let width = stage.size[0];
     trace(&stage, progress, statistics, |group, block| {
-        block.add_to(&mut images[group as usize], width);
+        block.add_to(&mut images[(group - own.start) as usize], width);
     })?;
     Ok((images, stage.size))
 }

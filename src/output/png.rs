@@ -8,8 +8,38 @@ use std::path::Path;
 
 /// Writes a linear image in the sRGB encoding, clipped at white.
 pub fn write_image(path: &Path, image: &Image) -> Result<(), FileError> {
-    let bytes: Vec<u8> = image.pixels.iter().flatten().map(|&v| encode(v)).collect();
-    write_bytes(path, image.width, image.height, &bytes, None)
+    write_bytes(path, image.width, image.height, &srgb_bytes(image), None)
+}
+
+/// A linear image in the sRGB encoding, clipped at white: rows of RGB bytes.
+pub fn srgb_bytes(image: &Image) -> Vec<u8> {
+    image.pixels.iter().flatten().map(|&v| encode(v)).collect()
+}
+
+/// The bytes of a file of rows of RGB bytes.
+pub fn file_of(width: usize, height: usize, rgb: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
+    encode_file(width, height, rgb, None)
+}
+
+/// The bytes of a file that plays frames of one size, each rows of RGB bytes, again and again.
+pub fn animation(
+    width: usize,
+    height: usize,
+    frames: &[Vec<u8>],
+    frames_per_second: u16,
+) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_animated(frames.len() as u32, 0)?;
+    encoder.set_frame_delay(1, frames_per_second)?;
+    let mut writer = encoder.write_header()?;
+    for frame in frames {
+        writer.write_image_data(frame)?;
+    }
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// Writes rows of RGB bytes, with a comment for those who look into the file.

@@ -3,6 +3,7 @@
 //! EXR, PNG, JPEG, Radiance HDR and PFM are read by what is built in; with the feature `oiio`,
 //! other formats by OpenImageIO. What a file holds decides which, not what it is called.
 
+mod alpha;
 mod decoded;
 mod error;
 mod exr;
@@ -20,6 +21,7 @@ mod size;
 mod srgb;
 mod wanted;
 
+pub use self::alpha::{Alpha, alpha};
 pub use self::image::Image;
 pub use decoded::{Encoding, Picture};
 pub use error::PictureError;

@@ -15,7 +15,7 @@ mod to_world;
 mod value;
 
 pub use cotangent::{reduce, wanted};
-pub use motion::{apply, displace};
+pub use motion::{apply, displace, pivot};
 pub use parameter::Parameter;
 pub use tangent::tangent;
 pub use target::Target;

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 
 /// The point that rotations and scalings of meshes leave in place: their bounding-box centre.
-pub(super) fn pivot(meshes: &[Mesh]) -> DVec3 {
+pub fn pivot(meshes: &[Mesh]) -> DVec3 {
     let positions = meshes.iter().flat_map(|m| &m.positions);
     let mut positions = positions.map(|p| p.as_dvec3());
     let first = positions.next().unwrap_or_default();

@@ -1,0 +1,145 @@
+//! `warpath optimize`: inverse rendering.
+
+use super::arguments::OptimizeArguments;
+use super::exit::Failure;
+use super::log::Log;
+use super::optimize_progress::OptimizeProgress;
+use super::session;
+use super::signals::Signals;
+use crate::jobs::machine;
+use crate::optimize::config;
+use crate::optimize::run::{self, Options, Summary};
+use crate::optimize::step::Alone;
+use crate::output::atomic;
+use serde_json::json;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Runs the optimisation, writes `report.json`, and says how it went.
+pub fn run(arguments: &OptimizeArguments, typed: &[OsString]) -> Result<(), Failure> {
+    arguments
+        .backend
+        .require()
+        .map_err(|why| Failure::Usage(why.into()))?;
+    let log = Log::new(&arguments.talk);
+    let config = config::read(&arguments.config, &arguments.overrides)?;
+    let options = Options {
+        directory: directory(arguments),
+        resume: arguments.resume,
+        fresh: arguments.fresh,
+        threads: session::threads(arguments.threads),
+        backend: arguments.backend,
+    };
+    let progress = OptimizeProgress::new(log, Signals::watch(log));
+    let done = run::run(config.clone(), &options, &Alone, &progress);
+    progress.finish();
+    let summary = done?;
+    let report = report(&summary, &config, &options, typed);
+    let text = serde_json::to_string_pretty(&report)
+        .map_err(|error| Failure::System(error.to_string()))?
+        + "\n";
+    atomic::write(&options.directory.join("report.json"), |file| {
+        file.write_all(text.as_bytes())
+    })?;
+    for line in lines(&summary) {
+        log.note(&line);
+    }
+    let files = summary.files.join(", ");
+    log.note(&format!(
+        "{}: {files}, report.json",
+        options.directory.display()
+    ));
+    if arguments.talk.json {
+        let mut stdout = std::io::stdout().lock();
+        stdout.write_all(text.as_bytes())?;
+        stdout.flush()?;
+    }
+    match summary.refused == summary.steps {
+        true => Err(Failure::Input(
+            "no step was made: the loss or its gradient was never finite".into(),
+        )),
+        false => Ok(()),
+    }
+}
+
+fn directory(arguments: &OptimizeArguments) -> PathBuf {
+    arguments.output.clone().unwrap_or_else(|| {
+        let stem = arguments.config.file_stem().unwrap_or_default();
+        Path::new("out").join(format!("optimize-{}", stem.to_string_lossy()))
+    })
+}
+
+fn lines(summary: &Summary) -> Vec<String> {
+    let mut lines = Vec::new();
+    let shown = |loss: Option<f64>| loss.map_or("not finite".into(), |v| format!("{v:.4e}"));
+    if let (Some(first), Some(last)) = (&summary.first, &summary.last) {
+        lines.push(format!(
+            "{} steps: the loss went from {} to {}{}",
+            summary.steps,
+            shown(first.loss),
+            shown(last.loss),
+            last.error
+                .map_or(String::new(), |error| format!(" ± {error:.1e}")),
+        ));
+    }
+    if let Some(why) = &summary.ended {
+        lines.push(format!("ended before the last step: {why}"));
+    }
+    for error in &summary.errors {
+        lines.push(format!(
+            "{}: {:.3e} off the known scene (RMS), {:.3e} at the start",
+            error.key, error.end, error.start
+        ));
+    }
+    for (view, psnr) in &summary.held_out {
+        lines.push(format!("{view}, held out: PSNR {psnr:.2} dB"));
+    }
+    if summary.own_steps > 0 {
+        lines.push(format!(
+            "{:.2} steps/s",
+            summary.own_steps as f64 / summary.loop_seconds
+        ));
+    }
+    lines
+}
+
+fn report(
+    summary: &Summary,
+    config: &config::Config,
+    options: &Options,
+    typed: &[OsString],
+) -> serde_json::Value {
+    let arguments: Vec<_> = typed.iter().skip(1).map(|a| a.to_string_lossy()).collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "optimize",
+        "arguments": arguments,
+        "config": { "path": config.file, "hash": format!("fnv1a64:{:016x}", config.hash) },
+        "scene": {
+            "path": config.scene,
+            "hash": format!("fnv1a64:{:016x}", summary.scene_hash),
+            "defines": config.defines.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+        },
+        "seed": config.seed,
+        "method": config.render.method.name(),
+        "backend": options.backend.to_string(),
+        "threads": options.threads,
+        "steps": summary.steps,
+        "steps_of_this_process": summary.own_steps,
+        "steps_per_second": summary.own_steps as f64 / summary.loop_seconds,
+        "ended": summary.ended,
+        "refused": summary.refused,
+        "first": summary.first,
+        "last": summary.last,
+        "parameter_errors": summary.errors,
+        "held_out_psnr_db": summary.held_out.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+        "seconds": summary.statistics.seconds,
+        "rays": summary.statistics.rays,
+        "silhouettes": summary.statistics.silhouettes,
+        "rejected": summary.statistics.rejected,
+        "warnings": summary.warnings,
+        "peak_memory_bytes": machine::peak(),
+        "files": summary.files,
+    })
+}

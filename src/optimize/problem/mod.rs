@@ -1,0 +1,335 @@
+//! An optimisation ready to begin: scene, views and variables.
+
+pub mod base;
+mod pictures;
+pub mod pose;
+mod remeshing;
+pub mod seeds;
+pub mod silhouette;
+pub mod variable;
+pub mod view;
+
+use crate::jobs::failure::Failure;
+use crate::jobs::settings::{MOST_SAMPLES, RequestedSettings};
+use crate::methods::{EngineError, Prepared, Progress, Settings, Workers};
+use crate::optimize::cameras;
+use crate::optimize::config::Config;
+use crate::optimize::loss::Comparison;
+use crate::picture::Image;
+use crate::scene::parameters::{self, Target};
+use crate::scene::{self, Normals, Scene, vertex_normals};
+use crate::trace::Backend;
+use base::SceneBase;
+use std::time::Instant;
+use variable::Variable;
+use view::View;
+
+/// What the machine gives.
+#[derive(Clone)]
+pub struct Machine {
+    pub workers: Workers,
+    pub threads: usize,
+    pub backend: Backend,
+}
+
+/// Everything that does not change from step to step.
+pub struct Problem {
+    pub config: Config,
+    pub machine: Machine,
+    pub settings: Settings,
+    pub base: SceneBase,
+    /// That of the mask term.
+    pub silhouette: Option<SceneBase>,
+    pub variables: Vec<Variable>,
+    pub views: Vec<View>,
+    pub held_out: Vec<View>,
+    /// The scene with its first values.
+    pub start: Scene,
+    /// The scene that is to be found, if it is known.
+    pub truth: Option<Scene>,
+    pub warnings: Vec<String>,
+    /// Spent on loading and building, on rendering the targets.
+    pub seconds: [f64; 2],
+}
+
+impl Problem {
+    /// Loads the scene and the views, and renders the targets of a known scene.
+    pub fn load(
+        config: Config,
+        machine: Machine,
+        progress: &dyn Progress,
+    ) -> Result<Self, Failure> {
+        let begun = Instant::now();
+        let mut scene = scene::load(&config.scene, &config.defines)?;
+        let wanted = match &config.views.cameras {
+            Some(found) => cameras::add(found, &mut scene, config.truth.is_some())?,
+            None => view::wanted(&config, &scene)?,
+        };
+        let truth = truth(&config, &scene)?;
+        let mut warnings = std::mem::take(&mut scene.warnings);
+        let settings = settings(&config, &scene, &machine)?;
+        let mut variables: Vec<Variable> = Vec::new();
+        for parameter in &config.parameters {
+            variables.push(Variable::new(&scene, parameter, &config)?);
+        }
+        // Vertices first, then what turns, scales and moves them together: the pose's pivot is that
+        // of the mesh as it stands.
+        variables.sort_by_key(|v| rank(v.parameter.target));
+        check_together(&variables)?;
+        free_normals(&mut scene, &variables, &mut warnings);
+        let links = variables.iter().any(|v| v.parameter.moves_visibility);
+        let silhouette = match &config.loss.silhouette {
+            None => None,
+            Some(of) => {
+                let scene = silhouette::scene(&scene, of)?;
+                Some(SceneBase::new(
+                    scene,
+                    &machine.workers,
+                    machine.backend,
+                    links,
+                )?)
+            }
+        };
+        let start = at_start(&scene, &variables)?;
+        let base = SceneBase::new(scene, &machine.workers, machine.backend, links)?;
+        let loaded = begun.elapsed().as_secs_f64();
+        let begun = Instant::now();
+        let mut problem = Self {
+            config,
+            machine,
+            settings,
+            base,
+            silhouette,
+            variables,
+            views: Vec::new(),
+            held_out: Vec::new(),
+            start,
+            truth,
+            warnings,
+            seconds: [loaded, 0.0],
+        };
+        problem.read_views(&wanted, progress)?;
+        problem.seconds[1] = begun.elapsed().as_secs_f64();
+        Ok(problem)
+    }
+
+    fn read_views(
+        &mut self,
+        wanted: &[view::Wanted],
+        progress: &dyn Progress,
+    ) -> Result<(), Failure> {
+        let mut all = Vec::new();
+        {
+            let prepared = match &self.truth {
+                Some(truth) => Some(
+                    Prepared::with_workers(
+                        truth,
+                        &self.machine.workers,
+                        self.machine.backend,
+                        &|| progress.cancelled(),
+                    )
+                    .map_err(failed)?,
+                ),
+                None => None,
+            };
+            for (number, wanted) in wanted.iter().enumerate() {
+                let render = |resolution| {
+                    let (Some(prepared), Some(truth)) = (&prepared, &self.config.truth) else {
+                        return Err(Failure::Input(format!(
+                            "{}: it has no target",
+                            wanted.place
+                        )));
+                    };
+                    let settings = Settings {
+                        spp: truth.spp,
+                        seed: seeds::of(self.config.seed, [seeds::TRUTH, number as u64, 0]),
+                        sensor: wanted.sensor,
+                        resolution,
+                        ..self.settings.clone()
+                    };
+                    Ok(prepared.render(&settings, progress).map_err(failed)?.image)
+                };
+                let resolution = self.config.render.resolution;
+                all.push(view::read(wanted, &self.base.scene, resolution, render)?);
+            }
+        }
+        for (i, view) in all.into_iter().enumerate() {
+            let out = self.config.views.hold_out;
+            match out.is_some_and(|n| (i as u64 + 1).is_multiple_of(n)) {
+                true => self.held_out.push(view),
+                false => self.views.push(view),
+            }
+        }
+        if self.views.is_empty() {
+            return Err(Failure::Input(format!(
+                "{}: there is no view to fit; give [[view]], or cameras",
+                self.config.file.display()
+            )));
+        }
+        if self.silhouette.is_some()
+            && let Some(view) = self.views.iter().find(|view| view.mask.is_none())
+        {
+            let what = format!(
+                "loss.silhouette compares with masks, and {} has none",
+                view.name
+            );
+            return Err(Failure::Input(what));
+        }
+        for step in 0..self.config.steps {
+            for view in &self.views {
+                view::check_factor(view, &self.base.scene, self.downscale(step) as u64)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// By how much views are smaller at a step.
+    pub fn downscale(&self, step: u64) -> usize {
+        self.config.render.downscale.at(step, self.config.steps) as usize
+    }
+
+    /// The image of one view compared with its target, at a step.
+    pub fn comparison(&self, view: &View, step: u64) -> Comparison {
+        let (target, mask) = view::shrunk(view, self.downscale(step));
+        let loss = &self.config.loss;
+        Comparison::new(loss.kind, target, mask, loss.pyramid)
+    }
+
+    /// What the shapes cover compared with a view's mask, at a step.
+    pub fn coverage(&self, view: &View, step: u64) -> Comparison {
+        let mask = view.mask.clone().unwrap_or_default();
+        let view = View {
+            target: Image {
+                pixels: mask.iter().map(|&v| [v; 3]).collect(),
+                ..view.target.clone()
+            },
+            mask: None,
+            ..view.clone()
+        };
+        let (target, _) = view::shrunk(&view, self.downscale(step));
+        let levels = self.config.loss.pyramid;
+        Comparison::new(crate::optimize::config::Pointwise::L2, target, None, levels)
+    }
+
+    /// Settings for one view at a step.
+    pub fn settings_of(&self, view: &View, step: u64) -> Settings {
+        let factor = self.downscale(step) as u32;
+        let [width, height] = view.size().map(|n| n as u32);
+        let resolution = match factor {
+            1 => view.resolution,
+            factor => Some([width / factor, height / factor]),
+        };
+        Settings {
+            sensor: view.sensor,
+            resolution,
+            ..self.settings.clone()
+        }
+    }
+
+    /// Samples that shares can part evenly.
+    pub fn even(&self, spp: u32) -> u32 {
+        spp.max(1)
+            .next_multiple_of(self.config.render.shares)
+            .min(MOST_SAMPLES)
+    }
+}
+
+fn settings(config: &Config, scene: &Scene, machine: &Machine) -> Result<Settings, Failure> {
+    let requested = RequestedSettings {
+        sensor: 0,
+        spp: Some(1),
+        seed: Some(config.seed),
+        max_depth: config.render.max_depth,
+        resolution: config.render.resolution,
+        method: config.render.method,
+        backend: machine.backend,
+        standard_error: true,
+        groups: None,
+        threads: machine.threads,
+    };
+    requested.settle(scene)
+}
+
+/// The scene to be found, with the cameras of the one that is optimised.
+fn truth(config: &Config, scene: &Scene) -> Result<Option<Scene>, Failure> {
+    let Some(truth) = &config.truth else {
+        return Ok(None);
+    };
+    let mut found = match &truth.scene {
+        None => scene.clone(),
+        Some(file) => scene::load(file, &config.defines)?,
+    };
+    let own = std::mem::replace(&mut found.sensors, scene.sensors.clone());
+    if config.views.cameras.is_none() {
+        for sensor in &mut found.sensors {
+            if let Some(same) = own.iter().find(|other| other.id == sensor.id) {
+                *sensor = same.clone();
+            }
+        }
+    }
+    Ok(Some(found))
+}
+
+fn at_start(scene: &Scene, variables: &[Variable]) -> Result<Scene, Failure> {
+    let mut scene = scene.clone();
+    for variable in variables {
+        let values = variable.start(&scene)?;
+        let values: Vec<f32> = values.iter().map(|&v| v as f32).collect();
+        parameters::apply(&mut scene, &variable.parameter, &values)?;
+    }
+    Ok(scene)
+}
+
+/// In which order values are set.
+fn rank(target: Option<Target>) -> u32 {
+    match target {
+        Some(Target::VertexPositions(_)) => 0,
+        Some(Target::ShapeScale(_)) => 1,
+        Some(Target::ShapeRotation(_)) => 2,
+        Some(Target::ShapeTranslation(_) | Target::DeltaLightTranslation(_)) => 3,
+        _ => 0,
+    }
+}
+
+/// Refuses two names of one parameter, and vertices that move while their pose's pivot depends on
+/// them.
+fn check_together(variables: &[Variable]) -> Result<(), Failure> {
+    for (i, variable) in variables.iter().enumerate() {
+        let place = &variable.settings.place;
+        let (target, key) = (variable.parameter.target, &variable.parameter.key);
+        if variables[..i].iter().any(|v| v.parameter.target == target) {
+            return Err(Failure::Input(format!(
+                "{place}: {key} is named twice, by two of its names"
+            )));
+        }
+        let Some(Target::ShapeRotation(body) | Target::ShapeScale(body)) = target else {
+            continue;
+        };
+        let moves = |v: &Variable| v.mesh().is_some_and(|m| body.meshes().contains(&m));
+        if variables.iter().any(moves) {
+            return Err(Failure::Input(format!(
+                "{place}: {key} and the vertex_positions of the same shape say one thing twice; take one out"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Normals that a file gives stay behind when vertices move one by one: they are computed instead.
+fn free_normals(scene: &mut Scene, variables: &[Variable], warnings: &mut Vec<String>) {
+    for m in variables.iter().filter_map(Variable::mesh) {
+        let mesh = &mut scene.meshes[m];
+        if let Normals::Given(_) = mesh.normals {
+            mesh.normals = Normals::Computed(vertex_normals(&mesh.positions, &mesh.triangles));
+            warnings.push(format!(
+                "{}: the normals of its file would stay as they are while its vertices move; they are computed from \
+                 the vertices instead",
+                mesh.id
+            ));
+        }
+    }
+}
+
+fn failed(error: EngineError) -> Failure {
+    Failure::from_engine(error, None)
+}

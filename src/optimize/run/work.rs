@@ -1,0 +1,237 @@
+//! The loop over steps, and what is written on the way.
+
+use super::advance::advance;
+use super::checkpoint;
+use super::record::Record;
+use super::state::State;
+use crate::jobs::failure::Failure;
+use crate::methods::{EngineError, Progress, Statistics, Workers};
+use crate::optimize::config::Config;
+use crate::optimize::problem::{Machine, Problem};
+use crate::optimize::results;
+use crate::optimize::results::errors::ParameterError;
+use crate::optimize::step::Ranks;
+use crate::output::atomic;
+use crate::trace::Backend;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// How a run is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    pub directory: PathBuf,
+    pub resume: bool,
+    /// Whether the state of an earlier run may be written over.
+    pub fresh: bool,
+    pub threads: usize,
+    pub backend: Backend,
+}
+
+/// Who is told how a run goes.
+pub trait Watch: Sync {
+    /// Scene and views are there; `done` of `total` steps were made by an earlier run.
+    fn begin(&self, done: u64, total: u64);
+    /// A step was made.
+    fn stepped(&self, record: &Record, total: u64);
+    /// Something that the user should know.
+    fn warn(&self, text: &str);
+    /// Whether the user wants to stop, and by which signal.
+    fn signal(&self) -> Option<u8>;
+}
+
+/// What a run came to.
+pub struct Summary {
+    pub steps: u64,
+    pub ended: Option<String>,
+    pub first: Option<Record>,
+    pub last: Option<Record>,
+    /// Steps that were refused.
+    pub refused: u64,
+    pub errors: Vec<ParameterError>,
+    pub statistics: Statistics,
+    /// Of the loop alone.
+    pub loop_seconds: f64,
+    /// Steps made by this process.
+    pub own_steps: u64,
+    pub warnings: Vec<String>,
+    pub files: Vec<String>,
+    pub scene_hash: u64,
+    /// PSNR in decibels of views that were held out, by name.
+    pub held_out: Vec<(String, f64)>,
+}
+
+struct Quiet<'a>(&'a dyn Watch);
+
+impl Progress for Quiet<'_> {
+    fn advance(&self, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.signal().is_some()
+    }
+}
+
+/// Runs an optimisation, or goes on with one.
+pub fn run(
+    config: Config,
+    options: &Options,
+    ranks: &dyn Ranks,
+    watch: &dyn Watch,
+) -> Result<Summary, Failure> {
+    let done = whole(config, options, ranks, watch);
+    match (done, watch.signal()) {
+        (Err(Failure::Interrupted(_)), Some(signal)) => Err(Failure::Interrupted(signal)),
+        (done, _) => done,
+    }
+}
+
+fn whole(
+    config: Config,
+    options: &Options,
+    ranks: &dyn Ranks,
+    watch: &dyn Watch,
+) -> Result<Summary, Failure> {
+    check_folder(options)?;
+    let failed = |error: EngineError| Failure::from_engine(error, None);
+    let machine = Machine {
+        workers: Workers::new(options.threads).map_err(failed)?,
+        threads: options.threads,
+        backend: options.backend,
+    };
+    let progress = Quiet(watch);
+    let mut problem = Problem::load(config, machine, &progress)?;
+    let mut state = match options.resume {
+        true => checkpoint::read(&options.directory, &problem)?,
+        false => State::start(&problem)?,
+    };
+    problem.restore_meshes(&state)?;
+    for warning in &problem.warnings {
+        watch.warn(warning);
+    }
+    if ranks.writes() {
+        atomic::prepare_directory(&options.directory)?;
+    }
+    watch.begin(state.step, problem.config.steps);
+    let (begun, first_step) = (Instant::now(), state.step);
+    let mut statistics = Statistics::default();
+    let ended = steps(
+        &mut problem,
+        &mut state,
+        options,
+        ranks,
+        watch,
+        &mut statistics,
+    );
+    if ranks.writes() {
+        checkpoint::write(&options.directory, &problem, &state)?;
+        results::curve::write(&options.directory, &problem, &state)?;
+    }
+    ended?;
+    let loop_seconds = begun.elapsed().as_secs_f64();
+    statistics.spend("load", problem.seconds[0]);
+    statistics.spend("targets", problem.seconds[1]);
+    let written = match ranks.writes() {
+        true => results::finish(&options.directory, &problem, &state, &progress)?,
+        false => results::Written::default(),
+    };
+    for warning in &written.warnings {
+        watch.warn(warning);
+    }
+    statistics.spend("results", begun.elapsed().as_secs_f64() - loop_seconds);
+    Ok(Summary {
+        steps: state.step,
+        ended: state.ended.clone(),
+        first: state.history.first().cloned(),
+        last: state.history.last().cloned(),
+        refused: state.history.iter().filter(|r| r.refused).count() as u64,
+        errors: written.errors,
+        statistics,
+        loop_seconds,
+        own_steps: state.step - first_step,
+        warnings: problem
+            .warnings
+            .iter()
+            .cloned()
+            .chain(written.warnings)
+            .collect(),
+        files: written.files,
+        scene_hash: problem.base.scene.hash,
+        held_out: written.held_out,
+    })
+}
+
+/// A folder with the state of another run is not written over.
+fn check_folder(options: &Options) -> Result<(), Failure> {
+    let path = options.directory.join(checkpoint::NAME);
+    match (options.resume, path.exists()) {
+        (false, true) if !options.fresh => Err(Failure::Usage(format!(
+            "{} has the checkpoint of an earlier run; --resume goes on with it, -o takes another folder, --fresh begins anew",
+            options.directory.display()
+        ))),
+        (true, false) => Err(Failure::Input(format!(
+            "{}: there is no checkpoint to go on from; leave --resume out",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Makes steps until the last one, or until something ends them.
+fn steps(
+    problem: &mut Problem,
+    state: &mut State,
+    options: &Options,
+    ranks: &dyn Ranks,
+    watch: &dyn Watch,
+    statistics: &mut Statistics,
+) -> Result<(), Failure> {
+    let progress = Quiet(watch);
+    let total = problem.config.steps;
+    let mut seen = results::live::Live::new(&options.directory);
+    while state.step < total && state.ended.is_none() {
+        if watch.signal().is_some() {
+            return Err(Failure::Interrupted(2));
+        }
+        problem.remesh(state)?;
+        let found = advance(problem, state, ranks, &progress)?;
+        statistics.absorb(&found.statistics);
+        if let Some(record) = state.history.last() {
+            watch.stepped(record, total);
+            warn(record, state, watch);
+        }
+        if !ranks.writes() {
+            continue;
+        }
+        let output = &problem.config.output;
+        if state.step.is_multiple_of(output.checkpoint_every) {
+            let start = Instant::now();
+            checkpoint::write(&options.directory, problem, state)?;
+            statistics.add_seconds("write", start);
+        }
+        let start = Instant::now();
+        seen.keep(&found.images);
+        if output.pictures_every > 0 && state.step.is_multiple_of(output.pictures_every) {
+            seen.write(problem, state)?;
+        }
+        statistics.add_seconds("write", start);
+    }
+    Ok(())
+}
+
+/// The first of each kind of trouble.
+fn warn(record: &Record, state: &State, watch: &dyn Watch) {
+    let is_first = |has: &dyn Fn(&Record) -> bool| {
+        has(record) && state.history.iter().filter(|r| has(r)).count() == 1
+    };
+    let step = record.step;
+    if is_first(&|r| r.refused) {
+        watch.warn(&format!(
+            "step {step}: the loss or its gradient is not finite; the step is not made, loss.csv says which others are not"
+        ));
+    }
+    if is_first(&|r| r.inverted > 0) {
+        watch.warn(&format!(
+            "step {step}: {} faces have turned over; smaller steps, or large_steps with a larger lambda, keep meshes whole",
+            record.inverted
+        ));
+    }
+}

@@ -1,0 +1,11 @@
+//! One step: the loss of some views, its gradient, and how sure both are.
+
+pub mod evaluate;
+pub mod found;
+pub mod ranks;
+pub mod total_variation;
+mod unit;
+
+pub use evaluate::evaluate;
+pub use found::{Evaluation, Look, Sampling};
+pub use ranks::{Alone, Ranks};

@@ -1,0 +1,69 @@
+//! What a run leaves behind.
+
+use super::{CONFIG, optimize};
+use crate::workplace::{text, warpath, workplace};
+
+#[test]
+fn files_are_what_they_are_said_to_be() {
+    let directory = workplace();
+    let at = directory.path();
+    let config = CONFIG.replace("spp = 4\n", "spp = 4\nturntable = 2\npictures_every = 2\n");
+    std::fs::write(at.join("c.toml"), config).unwrap();
+    let (code, said) = optimize(at, "c.toml", &["-o", "out", "--log-format", "json"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("\"stage\":\"optimize\""), "{said}");
+    let report = std::fs::read_to_string(at.join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    for file in report["files"].as_array().unwrap() {
+        let file = file.as_str().unwrap();
+        assert!(at.join("out").join(file).exists(), "{file}");
+    }
+    let csv = std::fs::read_to_string(at.join("out/loss.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 7);
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert!(csv.lines().all(|line| line.split(',').count() == columns));
+    let page = std::fs::read_to_string(at.join("out/index.html")).unwrap();
+    for part in [
+        "<svg",
+        "data:image/png;base64,",
+        "card.translation",
+        "</html>",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // Nothing on the page comes from elsewhere, and a page of a run that is done is not refreshed.
+    for part in ["src=\"http", "href=", "refresh"] {
+        assert!(!page.contains(part), "{part}");
+    }
+    for (name, start) in [
+        ("turntable-card.png", &b"\x89PNG"[..]),
+        ("mesh-card.ply", b"ply\n"),
+        ("mesh-card.obj", b"o card\n"),
+        ("view-0_cam.png", b"\x89PNG"),
+    ] {
+        let bytes = std::fs::read(at.join("out").join(name)).unwrap();
+        assert!(bytes.starts_with(start), "{name}");
+    }
+}
+
+/// The scene that is written renders to the same image as the one it was made from, with the same
+/// random numbers: what was parsed, moved and written is what is parsed again.
+#[test]
+fn the_final_scene_is_the_scene() {
+    let directory = workplace();
+    let at = directory.path();
+    let config = CONFIG.replace("start = [0.1, 0, 0]", "start = [0, 0, 0]\nlr = 1e-30");
+    std::fs::write(at.join("c.toml"), config).unwrap();
+    let (code, said) = optimize(at, "c.toml", &["-o", "out", "--quiet"]);
+    assert_eq!(code, Some(0), "{said}");
+    let mut images = Vec::new();
+    for (scene, folder) in [("s.xml", "a"), ("out/scene.xml", "b")] {
+        let out = warpath(
+            at,
+            &["render", scene, "-o", folder, "--spp", "16", "--quiet"],
+        );
+        assert!(out.status.success(), "{}", text(&out.stderr));
+        images.push(std::fs::read(at.join(folder).join("image.exr")).unwrap());
+    }
+    assert!(images[0] == images[1]);
+}
