@@ -13,7 +13,7 @@ mod material;
 pub mod mesh;
 pub mod metals;
 mod names;
-mod nearest;
+pub mod nearest;
 mod observer;
 pub mod parameters;
 mod reads;

@@ -1,6 +1,6 @@
 //! The runs of a check.
 
-use super::seeds::{FIRST_REFERENCE_SEED, nth_seed};
+use crate::jobs::seeds::{FIRST_REFERENCE_SEED, nth_seed};
 use super::verdict::Transposition;
 use super::waves::smooth_image;
 use crate::cli::exit::Failure;
