@@ -3,7 +3,7 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint →
 //! discontinuity → paths → gradient and boundary, which do not know each other → methods →
-//! output → jobs → bench → batch → cli`.
+//! output → jobs → bench → batch and study → cli`.
 
 pub mod adjoint;
 pub mod batch;
@@ -23,4 +23,5 @@ pub mod picture;
 pub mod room;
 pub mod scene;
 pub mod statistics;
+pub mod study;
 pub mod trace;

@@ -106,6 +106,14 @@ pub enum Command {
     /// 1 if they are not all the shards of one batch.
     #[command(after_help = "Example: warpath merge out/1-of-2 out/2-of-2 -o out/all")]
     Merge(MergeArguments),
+    /// Scenes × directions × methods × samples: error against time, with verdicts
+    ///
+    /// Makes references by finite differences, measures every method in turns, and writes
+    /// study.json, study.csv, charts, gradient pictures and one HTML page.
+    #[command(
+        after_help = "Example: warpath study scenes/failures/study.toml --report stability.md -o out/failures"
+    )]
+    Study(StudyArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -317,6 +325,39 @@ pub struct MergeArguments {
     /// Directory for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/merged")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath study`
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// What to measure (TOML; docs/study.md)
+    pub config: PathBuf,
+    /// Overrides a value of the configuration, as in repeats=8 or reference.spp=256
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Directory for the results [default: out/study-CONFIG]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Goes on with the results that are there
+    #[arg(long)]
+    pub resume: bool,
+    /// Exit code 1 if a figure is beyond a bound of this file
+    #[arg(long, value_name = "FILE")]
+    pub assert: Option<PathBuf>,
+    /// Also writes scene × method as a Markdown table
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where references are kept and looked for [default: references in the results]
+    #[arg(long, value_name = "DIR")]
+    pub references: Option<PathBuf>,
+    /// Threads [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// What traces the rays, as in forward
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    pub backend: Backend,
     #[command(flatten)]
     pub talk: TalkArguments,
 }

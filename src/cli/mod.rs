@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod session;
 mod signals;
+mod study;
 mod values;
 
 use arguments::{Arguments, Command};
@@ -30,7 +31,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 /// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 2] = ["optimize", "study"];
+const NOT_BUILT_YET: [&str; 1] = ["optimize"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -51,6 +52,7 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Bench(bench) => bench::run(bench, typed),
         Command::Batch(batch) => batch::run(batch, typed),
         Command::Merge(merge) => merge::run(merge),
+        Command::Study(study) => study::run(study, typed),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -78,6 +80,7 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Bench(a) => Log::new(&a.talk),
         Command::Batch(a) => Log::new(&a.talk),
         Command::Merge(a) => Log::new(&a.talk),
+        Command::Study(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }

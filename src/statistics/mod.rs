@@ -5,3 +5,6 @@ pub mod comparison;
 pub mod estimate;
 pub mod image_mean;
 pub mod replicates;
+pub mod concentration;
+pub mod sigmas;
+pub mod tradeoff;

@@ -5,7 +5,7 @@ use crate::sources::of_the_crate;
 use std::collections::BTreeSet;
 
 /// Each module may use those before it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "room",
     "files",
     "lanes",
@@ -24,6 +24,7 @@ const ORDER: [&str; 19] = [
     "jobs",
     "bench",
     "batch",
+    "study",
     "cli",
 ];
 

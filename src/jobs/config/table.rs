@@ -148,14 +148,19 @@ impl<'a> Table<'a> {
         let Some(text) = self.text(key)? else {
             return Ok(None);
         };
+        self.one_of(key, &text, names).map(Some)
+    }
+
+    /// One of some names, for a text that a key's value holds.
+    pub fn one_of<'n>(&self, key: &str, text: &str, names: &[&'n str]) -> Result<&'n str, Failure> {
         match names.iter().find(|name| **name == text) {
-            Some(name) => Ok(Some(name)),
+            Some(name) => Ok(name),
             None => Err(self.error(
                 key,
                 format!(
                     "there is no \"{text}\"; write one of {}{}",
                     names.join(", "),
-                    nearest_hint(&text, names.iter().copied())
+                    nearest_hint(text, names.iter().copied())
                 ),
             )),
         }
@@ -171,6 +176,25 @@ impl<'a> Table<'a> {
             true => Ok(Some(all)),
             false => self.unlike(key, node, "a number or a list of numbers"),
         }
+    }
+
+    /// Values for the `$name`s of a scene.
+    pub fn defines(&self, key: &str) -> Result<Vec<(String, String)>, Failure> {
+        let Some(inner) = self.table(key)? else {
+            return Ok(Vec::new());
+        };
+        let mut defines = Vec::new();
+        for key in inner.keys() {
+            let text = match inner.node(key).map(|node| &node.value) {
+                Some(Value::Text(text)) => text.clone(),
+                Some(Value::Whole(whole)) => whole.to_string(),
+                Some(Value::Number(number)) => number.to_string(),
+                Some(Value::Truth(truth)) => truth.to_string(),
+                _ => return Err(inner.error(key, "write a text, a number, true or false")),
+            };
+            defines.push((key.to_string(), text));
+        }
+        Ok(defines)
     }
 
     /// A table below this one.
