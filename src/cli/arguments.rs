@@ -337,6 +337,9 @@ pub struct StudyArguments {
     /// Overrides a value of the configuration, as in repeats=8 or reference.spp=256
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Only these scenes of it
+    #[arg(long, value_name = "NAME,NAME…", value_delimiter = ',')]
+    pub only: Vec<String>,
     /// Directory for the results [default: out/study-CONFIG]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

@@ -25,7 +25,8 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
         .require()
         .map_err(|why| Failure::Usage(why.into()))?;
     let log = Log::new(&arguments.talk);
-    let plan = config::read(&arguments.config, &arguments.set)?;
+    let mut plan = config::read(&arguments.config, &arguments.set)?;
+    plan.keep(&arguments.only)?;
     let others = plan.peers.as_ref().map(peers::read).transpose()?;
     let bounds = arguments.assert.as_deref().map(bounds::read).transpose()?;
     let options = options(arguments);
@@ -59,20 +60,31 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
     });
     put(&directory.join(REPORT), &format!("{report:#}\n"))?;
     let seconds = started.elapsed().as_secs_f64();
-    log.note(&format!("{}: study.html and {} more ({seconds:.0} s)", directory.display(), files.len() - 1));
+    log.note(&format!(
+        "{}: study.html and {} more ({seconds:.0} s)",
+        directory.display(),
+        files.len() - 1
+    ));
     if arguments.talk.json {
         let mut stdout = std::io::stdout().lock();
         stdout.write_all(report::values::json(&plan, &rows)?.as_bytes())?;
         stdout.flush()?;
     }
-    match bounds.map(|bounds| bounds::broken(&bounds, &rows)).transpose()? {
+    match bounds
+        .map(|bounds| bounds::broken(&bounds, &rows))
+        .transpose()?
+    {
         Some(broken) if !broken.is_empty() => Err(Failure::Disagreement(broken.join("\n"))),
         _ => Ok(()),
     }
 }
 
 fn options(arguments: &StudyArguments) -> Options {
-    let stem = arguments.config.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = arguments
+        .config
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
     let usual = || Path::new("out").join(format!("study-{stem}"));
     let directory = arguments.output.clone().unwrap_or_else(usual);
     let references = arguments.references.clone();

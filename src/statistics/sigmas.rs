@@ -32,13 +32,21 @@ mod tests {
             let student = StudentsT::new(0.0, 1.0, freedom).unwrap();
             for t in [-3.0, 1.0, 2.5, 5.0] {
                 let exact = normal.inverse_cdf(student.cdf(t));
-                assert!((of_student(t, freedom) - exact).abs() < 0.05, "{t} {freedom}");
+                assert!(
+                    (of_student(t, freedom) - exact).abs() < 0.05,
+                    "{t} {freedom}"
+                );
             }
         }
         for freedom in [3.0, 15.0, 63.0] {
-            let exact = StudentsT::new(0.0, 1.0, freedom).unwrap().inverse_cdf(0.975);
+            let exact = StudentsT::new(0.0, 1.0, freedom)
+                .unwrap()
+                .inverse_cdf(0.975);
             let ours = student(1.96, freedom);
-            assert!((ours / exact - 1.0).abs() < 0.02, "{freedom}: {ours} {exact}");
+            assert!(
+                (ours / exact - 1.0).abs() < 0.02,
+                "{freedom}: {ours} {exact}"
+            );
             assert!((of_student(ours, freedom) - 1.96).abs() < 1e-12);
         }
         for d in [2.0, 10.0, 100.0] {
@@ -46,7 +54,10 @@ mod tests {
             for value in [1.2, 2.0] {
                 let exact = -normal.inverse_cdf(chi.sf(value * d));
                 let sigmas = of_chi_squared(value, f64::sqrt(2.0 / d));
-                assert!((sigmas - exact).abs() < 0.1, "{value} {d}: {sigmas} {exact}");
+                assert!(
+                    (sigmas - exact).abs() < 0.1,
+                    "{value} {d}: {sigmas} {exact}"
+                );
             }
         }
     }

@@ -35,9 +35,17 @@ mod tests {
 
     #[test]
     fn a_power_law_gives_its_exponent() {
-        let points: Vec<(f64, f64)> = (1..6).map(|i| (2f64.powi(i), 3.0 * 2f64.powi(-i))).collect();
+        let points: Vec<(f64, f64)> = (1..6)
+            .map(|i| (2f64.powi(i), 3.0 * 2f64.powi(-i)))
+            .collect();
         assert!((exponent(&points).unwrap() + 1.0).abs() < 1e-12);
-        let noise = [(1.0, 1.0), (4.0, 0.5), (0.0, 7.0), (16.0, 0.25), (3.0, f64::NAN)];
+        let noise = [
+            (1.0, 1.0),
+            (4.0, 0.5),
+            (0.0, 7.0),
+            (16.0, 0.25),
+            (3.0, f64::NAN),
+        ];
         assert!((exponent(&noise).unwrap() + 0.5).abs() < 1e-12);
         assert_eq!(exponent(&[(1.0, 1.0), (1.0, 2.0)]), None);
         assert_eq!(exponent(&[]), None);
@@ -45,7 +53,14 @@ mod tests {
 
     #[test]
     fn the_front_is_what_nothing_beats() {
-        let points = [(1.0, 9.0), (2.0, 4.0), (3.0, 5.0), (4.0, 1.0), (2.0, 4.0), (0.5, f64::NAN)];
+        let points = [
+            (1.0, 9.0),
+            (2.0, 4.0),
+            (3.0, 5.0),
+            (4.0, 1.0),
+            (2.0, 4.0),
+            (0.5, f64::NAN),
+        ];
         let front = pareto_front(&points);
         assert_eq!(front, [true, true, false, true, true, false]);
     }

@@ -28,20 +28,34 @@ type Get = fn(&Cell) -> Option<f64>;
 const FIGURES: [(&str, Get); 17] = [
     ("rmse", |c| c.figures.as_ref().map(|f| f.rmse)),
     ("sd", |c| c.figures.as_ref().map(|f| f.sd)),
-    ("bias_squared", |c| c.figures.as_ref().map(|f| f.bias_squared)),
+    ("bias_squared", |c| {
+        c.figures.as_ref().map(|f| f.bias_squared)
+    }),
     ("size_bias", |c| c.figures.as_ref()?.size_bias.map(f64::abs)),
     ("size_bias_se", |c| c.figures.as_ref()?.size_bias_se),
     ("bias_sigmas", |c| c.figures.as_ref().map(|f| f.bias_sigmas)),
     ("kurtosis", |c| c.figures.as_ref()?.kurtosis),
-    ("top_variance_share", |c| c.figures.as_ref()?.top_variance_share),
-    ("worst_repeat_share", |c| c.figures.as_ref()?.worst_repeat_share),
+    ("top_variance_share", |c| {
+        c.figures.as_ref()?.top_variance_share
+    }),
+    ("worst_repeat_share", |c| {
+        c.figures.as_ref()?.worst_repeat_share
+    }),
     ("coverage", |c| c.figures.as_ref()?.coverage),
-    ("not_finite", |c| c.figures.as_ref().map(|f| f.not_finite as f64)),
-    ("rejected_share", |c| c.figures.as_ref().map(|f| f.rejected_share)),
+    ("not_finite", |c| {
+        c.figures.as_ref().map(|f| f.not_finite as f64)
+    }),
+    ("rejected_share", |c| {
+        c.figures.as_ref().map(|f| f.rejected_share)
+    }),
     ("rays", |c| c.figures.as_ref().map(|f| f.rays)),
     ("seconds", |c| c.times.as_ref().map(|t| t.seconds)),
-    ("processor_seconds", |c| c.times.as_ref().map(|t| t.processor_seconds)),
-    ("relative_efficiency", |c| c.times.as_ref()?.relative_efficiency),
+    ("processor_seconds", |c| {
+        c.times.as_ref().map(|t| t.processor_seconds)
+    }),
+    ("relative_efficiency", |c| {
+        c.times.as_ref()?.relative_efficiency
+    }),
     ("relative_noise", |c| c.times.as_ref()?.relative_noise),
 ];
 
@@ -69,7 +83,12 @@ fn bound(table: Table) -> Result<Bound, Failure> {
             let mut kinds = Vec::new();
             for text in texts {
                 let name = table.one_of("verdict", &text, &names)?;
-                kinds.extend(Kind::ALL.iter().filter(|(n, _)| *n == name).map(|(_, kind)| *kind));
+                kinds.extend(
+                    Kind::ALL
+                        .iter()
+                        .filter(|(n, _)| *n == name)
+                        .map(|(_, kind)| *kind),
+                );
             }
             Some(kinds)
         }
@@ -78,7 +97,9 @@ fn bound(table: Table) -> Result<Bound, Failure> {
         scene: table.text("scene")?,
         direction: table.text("direction")?,
         method: table.text("method")?,
-        spp: table.count("spp", 1, u64::from(u32::MAX))?.map(|spp| spp as u32),
+        spp: table
+            .count("spp", 1, u64::from(u32::MAX))?
+            .map(|spp| spp as u32),
         verdicts,
         least: limits(&table, "at_least")?,
         most: limits(&table, "at_most")?,
@@ -116,7 +137,12 @@ pub fn broken(bounds: &[Bound], rows: &[Row]) -> Result<Vec<String>, Failure> {
                     "{}: {} {}, {} with {} samples",
                     bound.place, row.scene, row.direction, cell.method, cell.spp
                 );
-                sentences.extend(bound.complaints(cell).into_iter().map(|c| format!("{whose}: {c}")));
+                sentences.extend(
+                    bound
+                        .complaints(cell)
+                        .into_iter()
+                        .map(|c| format!("{whose}: {c}")),
+                );
             }
         }
         if !met {

@@ -44,7 +44,9 @@ impl Journal {
                 path.display()
             )));
         }
-        let whole = text.lines().filter_map(|line| serde_json::from_str(line).ok());
+        let whole = text
+            .lines()
+            .filter_map(|line| serde_json::from_str(line).ok());
         let lines: Vec<Line> = whole.collect();
         let kept: Vec<String> = lines.iter().map(json).collect::<Result<_, _>>()?;
         atomic::write(&path, |file| file.write_all(kept.concat().as_bytes()))?;

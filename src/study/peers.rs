@@ -28,11 +28,16 @@ pub fn read(plan: &PeersPlan) -> Result<Vec<Peer>, Failure> {
     let wrong = |error: serde_json::Error| {
         let (line, column) = (error.line(), error.column());
         let what = "write a list of objects with scene, integrator, spp, cpu and rel_rmse";
-        Failure::Input(format!("{}:{line}:{column}: {error}; {what}", file.display()))
+        Failure::Input(format!(
+            "{}:{line}:{column}: {error}; {what}",
+            file.display()
+        ))
     };
     let all: Vec<serde_json::Value> = serde_json::from_slice(&bytes).map_err(wrong)?;
     let is_point = |value: &serde_json::Value| {
-        ["cpu", "rel_rmse"].iter().all(|key| value.get(key).is_some_and(|v| v.is_number()))
+        ["cpu", "rel_rmse"]
+            .iter()
+            .all(|key| value.get(key).is_some_and(|v| v.is_number()))
     };
     let points = all.into_iter().filter(is_point);
     points

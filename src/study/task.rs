@@ -57,8 +57,15 @@ impl<'a> Task<'a> {
         let size = settings::size(&settings, scene).map(|side| side as usize);
         let mut hash = Fnv1a::default();
         let mut put = |text: String| hash.write(format!("{text}\n").as_bytes());
-        put(format!("{} {:?}", env!("CARGO_PKG_VERSION"), plan.reference));
-        put(format!("{} {} {}", scene.hash, settings.seed, settings.max_depth));
+        put(format!(
+            "{} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            plan.reference
+        ));
+        put(format!(
+            "{} {} {}",
+            scene.hash, settings.seed, settings.max_depth
+        ));
         put(format!("{size:?} {:?} {backend}", of.defines));
         for (parameter, values) in &direction {
             put(format!("{} {values:?}", parameter.key));

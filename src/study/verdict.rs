@@ -78,20 +78,40 @@ fn judge(f: &Figures, repeats: usize, reference: &Reference) -> (Kind, String) {
     };
     let left = f.bias_squared.max(0.0).sqrt();
     if f.bias_sigmas >= BIASED_SIGMAS {
-        let of = if reference.rms.is_some() { percent(left) } else { format!("{left:.2e}") };
-        return (Kind::Biased, format!("{size}; root mean square of the bias {of}"));
+        let of = if reference.rms.is_some() {
+            percent(left)
+        } else {
+            format!("{left:.2e}")
+        };
+        return (
+            Kind::Biased,
+            format!("{size}; root mean square of the bias {of}"),
+        );
     }
     if let Some(share) = f.worst_repeat_share.filter(|_| repeats >= LEAST_REPEATS)
         && share > UNSTABLE_SHARE
     {
-        let text = format!("one repeat of {repeats} has {} of the variance", percent(share));
+        let text = format!(
+            "one repeat of {repeats} has {} of the variance",
+            percent(share)
+        );
         return (Kind::Unstable, text);
     }
     match (reference.rms, f.size_bias_se) {
-        (None, _) if f.rmse <= reference.rounding => (Kind::Right, "zero, as it should be".into()),
-        (None, _) => (Kind::Unknown, "the reference is nothing but noise".into()),
+        (None, _) => judge_zero(f, reference),
         (Some(_), Some(se)) if se <= VAGUE => (Kind::Right, size),
         _ => (Kind::Unknown, size),
+    }
+}
+
+/// Where the reference has nothing that stands out of its noise.
+fn judge_zero(f: &Figures, reference: &Reference) -> (Kind, String) {
+    if reference.noise() > reference.rounding {
+        return (Kind::Unknown, "the reference is nothing but noise".into());
+    }
+    match f.rmse <= reference.rounding {
+        true => (Kind::Right, "zero, as it should be".into()),
+        false => (Kind::Right, format!("zero within a noise of {:.1e}", f.sd)),
     }
 }
 

@@ -4,4 +4,5 @@ mod batch;
 mod cli;
 mod jobs;
 mod memory;
+mod study;
 mod workplace;

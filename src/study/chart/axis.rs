@@ -14,10 +14,16 @@ pub struct LogAxis {
 impl LogAxis {
     /// An axis that holds all the numbers, with a little room at its ends.
     pub fn around(numbers: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
-        let logs = numbers.filter(|x| *x > 0.0 && x.is_finite()).map(f64::log10);
+        let logs = numbers
+            .filter(|x| *x > 0.0 && x.is_finite())
+            .map(f64::log10);
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let [low, high] = logs.fold(none, |[low, high], x| [low.min(x), high.max(x)]);
-        let [low, high] = if low <= high { [low, high] } else { [-1.0, 1.0] };
+        let [low, high] = if low <= high {
+            [low, high]
+        } else {
+            [-1.0, 1.0]
+        };
         // At least a decade, so that noise does not look like a trend.
         let room = f64::max(0.08 * (high - low), 0.5 * (1.0 - (high - low)));
         Self {
@@ -41,7 +47,8 @@ impl LogAxis {
             _ => &[1.0],
         };
         let all = decades.flat_map(|d| factors.iter().map(move |f| f * 10f64.powi(d)));
-        all.filter(|x| (self.low..=self.high).contains(&x.log10())).collect()
+        all.filter(|x| (self.low..=self.high).contains(&x.log10()))
+            .collect()
     }
 }
 

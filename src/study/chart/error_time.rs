@@ -43,7 +43,10 @@ pub fn svg(row: &Row, peers: &[&Peer], peers_label: &str) -> String {
     svg.text([left, 19.0], Anchor::Start, 14.0, "#111", &title);
     frame(&mut svg, &x, &y, row.reference.rms.is_some());
     let place = |p: &Point| [x.at(p.seconds), y.at(p.error)];
-    if let Some(level) = noise.map(|n| y.at(n)).filter(|level| (top..=bottom).contains(level)) {
+    if let Some(level) = noise
+        .map(|n| y.at(n))
+        .filter(|level| (top..=bottom).contains(level))
+    {
         svg.line([left, level], [right, level], GREY, "2 4");
         let what = "standard error of the reference";
         svg.text([right - 4.0, level - 4.0], Anchor::End, 10.0, GREY, what);
@@ -100,7 +103,10 @@ fn of_peers(peers: &[&Peer]) -> Vec<Curve> {
             error: peer.rel_rmse,
             is_right: true,
         };
-        match curves.iter_mut().find(|curve| curve.name == peer.integrator) {
+        match curves
+            .iter_mut()
+            .find(|curve| curve.name == peer.integrator)
+        {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
                 name: peer.integrator.clone(),
@@ -116,17 +122,35 @@ fn frame(svg: &mut Svg, x: &LogAxis, y: &LogAxis, is_relative: bool) {
     let [left, top, right, bottom] = PLOT;
     for mark in x.marks() {
         svg.line([x.at(mark), top], [x.at(mark), bottom], "#e4e4e4", "");
-        svg.text([x.at(mark), bottom + 14.0], Anchor::Middle, 11.0, "#444", &label(mark));
+        svg.text(
+            [x.at(mark), bottom + 14.0],
+            Anchor::Middle,
+            11.0,
+            "#444",
+            &label(mark),
+        );
     }
     for mark in y.marks() {
         svg.line([left, y.at(mark)], [right, y.at(mark)], "#e4e4e4", "");
-        svg.text([left - 6.0, y.at(mark) + 4.0], Anchor::End, 11.0, "#444", &label(mark));
+        svg.text(
+            [left - 6.0, y.at(mark) + 4.0],
+            Anchor::End,
+            11.0,
+            "#444",
+            &label(mark),
+        );
     }
     svg.line([left, bottom], [right, bottom], "#444", "");
     svg.line([left, top], [left, bottom], "#444", "");
     let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
     let time = "processor seconds of a gradient";
-    svg.text([middle[0], bottom + 30.0], Anchor::Middle, 12.0, "#444", time);
+    svg.text(
+        [middle[0], bottom + 30.0],
+        Anchor::Middle,
+        12.0,
+        "#444",
+        time,
+    );
     let error = match is_relative {
         true => "root mean square error / that of the gradient",
         false => "root mean square error",
@@ -161,12 +185,20 @@ fn legend(svg: &mut Svg, curves: &[Curve], others: &[Curve], peers_label: &str) 
         let logs: Vec<(f64, f64)> = curve.points.iter().map(|p| (p.seconds, p.error)).collect();
         let slope = exponent(&logs).map(|slope| format!("slope {slope:.2}"));
         let is_right = curve.points.iter().all(|p| p.is_right);
-        let doubt = if is_right { "" } else { " (hollow: not found right)" };
+        let doubt = if is_right {
+            ""
+        } else {
+            " (hollow: not found right)"
+        };
         let rest = curve.remark.clone().or(slope).unwrap_or_default();
         let text = format!("{}  {rest}{doubt}", curve.name);
-        entry(svg, &text, &|svg, at_| svg.dot(at_, 4.0, colour(at), is_right));
+        entry(svg, &text, &|svg, at_| {
+            svg.dot(at_, 4.0, colour(at), is_right)
+        });
     }
-    entry(svg, "what nothing here beats", &|svg, at| svg.dot(at, 6.0, "#ffd54d", true));
+    entry(svg, "what nothing here beats", &|svg, at| {
+        svg.dot(at, 6.0, "#ffd54d", true)
+    });
     for curve in others {
         entry(svg, &curve.name, &|svg, at| svg.diamond(at, "#666"));
     }

@@ -38,5 +38,7 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Failure> {
         .ok_or_else(|| failed(format!("{width}x{height} dots are too many")))?;
     let scale = tiny_skia::Transform::from_scale(DOTS, DOTS);
     resvg::render(&tree, scale, &mut canvas.as_mut());
-    canvas.encode_png().map_err(|error| failed(error.to_string()))
+    canvas
+        .encode_png()
+        .map_err(|error| failed(error.to_string()))
 }

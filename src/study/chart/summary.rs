@@ -17,7 +17,11 @@ const TOP: f64 = 64.0;
 /// rest is said in words.
 pub fn svg(rows: &[Row]) -> String {
     let methods = methods(rows);
-    let points = || rows.iter().flat_map(|row| last_cells(row)).filter_map(worth);
+    let points = || {
+        rows.iter()
+            .flat_map(|row| last_cells(row))
+            .filter_map(worth)
+    };
     let x = LogAxis::around(points().chain([1.0]), NAMES + 10.0, VERDICTS - 10.0);
     let bottom = TOP + LINE * rows.len() as f64;
     let mut svg = Svg::new(WIDTH, bottom + 44.0);
@@ -29,10 +33,27 @@ pub fn svg(rows: &[Row]) -> String {
         svg.text([at + 14.0, 40.0], Anchor::Start, 11.5, "#222", name);
         at += 40.0 + 7.0 * name.len() as f64;
     }
-    svg.text([at, 40.0], Anchor::Start, 11.5, "#666", "hollow: not found right");
+    svg.text(
+        [at, 40.0],
+        Anchor::Start,
+        11.5,
+        "#666",
+        "hollow: not found right",
+    );
     for mark in x.marks() {
-        svg.line([x.at(mark), TOP - 10.0], [x.at(mark), bottom], "#e4e4e4", "");
-        svg.text([x.at(mark), bottom + 14.0], Anchor::Middle, 11.0, "#444", &label(mark));
+        svg.line(
+            [x.at(mark), TOP - 10.0],
+            [x.at(mark), bottom],
+            "#e4e4e4",
+            "",
+        );
+        svg.text(
+            [x.at(mark), bottom + 14.0],
+            Anchor::Middle,
+            11.0,
+            "#444",
+            &label(mark),
+        );
     }
     svg.line([x.at(1.0), TOP - 10.0], [x.at(1.0), bottom], "#888", "");
     for (i, row) in rows.iter().enumerate() {
@@ -44,13 +65,24 @@ pub fn svg(rows: &[Row]) -> String {
         for cell in last_cells(row) {
             let colour = colour(methods.iter().position(|m| *m == cell.method).unwrap_or(0));
             if let Some(worth) = worth(cell) {
-                svg.dot([x.at(worth), y], 4.0, colour, cell.verdict.kind == Kind::Right);
+                svg.dot(
+                    [x.at(worth), y],
+                    4.0,
+                    colour,
+                    cell.verdict.kind == Kind::Right,
+                );
             }
             if cell.verdict.kind != Kind::Right {
                 words.push(format!("{} {}", cell.method, cell.verdict.kind.name()));
             }
         }
-        svg.text([VERDICTS, y + 4.0], Anchor::Start, 9.0, "#666", &words.join(", "));
+        svg.text(
+            [VERDICTS, y + 4.0],
+            Anchor::Start,
+            9.0,
+            "#666",
+            &words.join(", "),
+        );
     }
     let scale = "1: as good as finite differences of as many samples; to the right, better";
     svg.text([NAMES, bottom + 32.0], Anchor::Start, 11.0, "#444", scale);
@@ -71,7 +103,10 @@ fn methods(rows: &[Row]) -> Vec<&str> {
 fn last_cells(row: &Row) -> impl Iterator<Item = &Cell> {
     let most = row.cells.iter().map(|cell| cell.spp).max();
     let others = |cell: &&Cell| cell.method != Method::REFERENCE.name();
-    row.cells.iter().filter(move |c| Some(c.spp) == most).filter(others)
+    row.cells
+        .iter()
+        .filter(move |c| Some(c.spp) == most)
+        .filter(others)
 }
 
 fn worth(cell: &Cell) -> Option<f64> {

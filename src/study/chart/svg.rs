@@ -34,7 +34,10 @@ impl Svg {
     }
 
     pub fn path(&mut self, points: &[[f64; 2]], colour: &str, width: f64, dashes: &str) {
-        let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        let points: Vec<String> = points
+            .iter()
+            .map(|[x, y]| format!("{x:.1},{y:.1}"))
+            .collect();
         let points = points.join(" ");
         self.put(format_args!(
             r#"<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}"/>"#

@@ -11,6 +11,7 @@ use crate::jobs::resolution::resolution;
 use crate::jobs::settings::MOST_SAMPLES;
 use crate::methods::{ESTIMATORS, Method};
 use crate::output::FileError;
+use crate::scene::nearest::nearest_hint;
 use std::path::{Path, PathBuf};
 
 /// Runs of one cell; more are a typing error.
@@ -57,6 +58,24 @@ pub struct PeersPlan {
     pub file: PathBuf,
     /// What the charts say of it, as "Mitsuba 3.9.1, on another machine".
     pub label: String,
+}
+
+impl Plan {
+    /// Leaves out all scenes but these, if any are named.
+    pub fn keep(&mut self, names: &[String]) -> Result<(), Failure> {
+        for name in names {
+            let known = || self.scenes.iter().map(|scene| scene.name.as_str());
+            if !known().any(|known| known == name) {
+                let hint = nearest_hint(name, known());
+                return Err(Failure::Usage(format!(
+                    "--only {name}: there is no such scene{hint}"
+                )));
+            }
+        }
+        let is_kept = |scene: &ScenePlan| names.is_empty() || names.contains(&scene.name);
+        self.scenes.retain(is_kept);
+        Ok(())
+    }
 }
 
 /// Reads the file, puts the overrides (`repeats=8`) into it and checks it.

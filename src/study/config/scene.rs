@@ -46,7 +46,10 @@ pub fn all(root: &Table, folder: &Path, usual: &Effort) -> Result<Vec<ScenePlan>
         scenes.push(scene);
     }
     match scenes.is_empty() {
-        true => Err(root.error("scene", "there is none; write a table [[scene]] with a file")),
+        true => Err(root.error(
+            "scene",
+            "there is none; write a table [[scene]] with a file",
+        )),
         false => Ok(scenes),
     }
 }
@@ -95,17 +98,29 @@ fn directions(table: &Table, folder: &Path) -> Result<Vec<DirectionPlan>, Failur
             continue;
         };
         let tangent = |key: &str| -> Result<(String, Numbers), Failure> {
-            let wrong = || inner.error(key, "write a number, a list of numbers, or \"@tangent.npy\"");
+            let wrong = || {
+                inner.error(
+                    key,
+                    "write a number, a list of numbers, or \"@tangent.npy\"",
+                )
+            };
             let numbers = inner.node(key).and_then(|node| numbers(node, folder));
             Ok((key.to_string(), numbers.ok_or_else(wrong)?))
         };
         directions.push(DirectionPlan {
             name: name.into(),
-            tangents: inner.keys().into_iter().map(tangent).collect::<Result<_, _>>()?,
+            tangents: inner
+                .keys()
+                .into_iter()
+                .map(tangent)
+                .collect::<Result<_, _>>()?,
             place: inner.place().into(),
         });
         if directions.last().is_some_and(|d| d.tangents.is_empty()) {
-            return Err(named.error(name, "it has no parameter; write \"ball.translation\" = [1, 0, 0]"));
+            return Err(named.error(
+                name,
+                "it has no parameter; write \"ball.translation\" = [1, 0, 0]",
+            ));
         }
     }
     if directions.is_empty() {
@@ -117,8 +132,14 @@ fn directions(table: &Table, folder: &Path) -> Result<Vec<DirectionPlan>, Failur
 fn numbers(node: &Node, folder: &Path) -> Option<Numbers> {
     let float = |node: &Node| number(node).map(|x| x as f32).filter(|x| x.is_finite());
     match &node.value {
-        Value::Text(text) => text.strip_prefix('@').map(|f| Numbers::File(folder.join(f))),
-        Value::List(list) => list.iter().map(float).collect::<Option<_>>().map(Numbers::list),
+        Value::Text(text) => text
+            .strip_prefix('@')
+            .map(|f| Numbers::File(folder.join(f))),
+        Value::List(list) => list
+            .iter()
+            .map(float)
+            .collect::<Option<_>>()
+            .map(Numbers::list),
         _ => float(node).map(|x| Numbers::list(vec![x])),
     }
 }

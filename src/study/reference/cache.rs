@@ -30,7 +30,11 @@ pub fn read(folder: &Path, key: u64, shape: [usize; 3]) -> Option<Rungs> {
 pub fn write(folder: &Path, key: u64, shape: [usize; 3], rungs: &Rungs) -> Result<(), FileError> {
     atomic::prepare_directory(folder)?;
     let [numbers, mark] = names(folder, key);
-    npy::write(&numbers, &shape, rungs.steps.iter().flatten().flatten().copied())?;
+    npy::write(
+        &numbers,
+        &shape,
+        rungs.steps.iter().flatten().flatten().copied(),
+    )?;
     let text = format!("{:?}\n", rungs.brightest);
     atomic::write(&mark, |file| file.write_all(text.as_bytes()))
 }

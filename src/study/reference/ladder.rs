@@ -43,7 +43,9 @@ impl Ladder {
         let share = if a + b > 0.0 { b / (a + b) } else { 0.5 };
         let both = wide.iter().zip(narrow).map(|(wide, narrow)| {
             let numbers = wide.iter().zip(narrow);
-            numbers.map(|(w, n)| share * w + (1.0 - share) * n).collect()
+            numbers
+                .map(|(w, n)| share * w + (1.0 - share) * n)
+                .collect()
         });
         let ladder = Self {
             steps: steps.to_vec(),
@@ -59,18 +61,24 @@ impl Ladder {
 /// Where they differ by no more than rounding, nothing.
 pub fn between(ours: &[Vec<f64>], theirs: &[Vec<f64>], rounding: f64) -> f64 {
     let runs = ours.len().min(theirs.len());
-    let differ = (0..runs).any(|r| {
-        let pairs = ours[r].iter().zip(&theirs[r]);
-        pairs.into_iter().any(|(a, b)| (a - b).abs() > rounding)
-    });
-    if !differ {
+    let apart = |i: usize| (0..runs).any(|r| (ours[r][i] - theirs[r][i]).abs() > rounding);
+    // Numbers that never differ have no weight to be compared by.
+    let compared: Vec<usize> = (0..ours[0].len()).filter(|i| apart(*i)).collect();
+    if compared.is_empty() {
         return 0.0;
     }
-    let found = Agreement::new(&ours[..runs], &theirs[..runs]);
+    let picked = |all: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        let of = |run: &Vec<f64>| compared.iter().map(|i| run[*i]).collect();
+        all[..runs].iter().map(of).collect()
+    };
+    let found = Agreement::new(&picked(ours), &picked(theirs));
     let chi = sigmas::of_chi_squared(found.chi_squared.value, found.chi_squared.error);
     let size = sigmas::of_student(found.bias.z(0.0), runs as f64 - 1.0).abs();
     // A size without a scatter is no number.
-    [chi, size].into_iter().filter(|s| s.is_finite()).fold(0.0, f64::max)
+    [chi, size]
+        .into_iter()
+        .filter(|s| s.is_finite())
+        .fold(0.0, f64::max)
 }
 
 /// The squares of what runs are from their mean.
@@ -94,8 +102,11 @@ mod tests {
             let mixed = (mixed ^ mixed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             (mixed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
         };
-        let number = |r: u64, i: u64| mean * (1.0 + i as f64) + sd * 12f64.sqrt() * noise(99 * r + i);
-        (0..24).map(|r| (0..50).map(|i| number(r, i)).collect()).collect()
+        let number =
+            |r: u64, i: u64| mean * (1.0 + i as f64) + sd * 12f64.sqrt() * noise(99 * r + i);
+        (0..24)
+            .map(|r| (0..50).map(|i| number(r, i)).collect())
+            .collect()
     }
 
     #[test]
@@ -108,9 +119,15 @@ mod tests {
         // Weighted 4 to 1: a variance of 3.2 for each number.
         let sd = (scatter(&both) / 50.0 / 23.0).sqrt();
         assert!((sd - 3.2f64.sqrt()).abs() < 0.15, "{sd}");
-        let (ladder, _) = Ladder::climb(&[runs(1.0, 1.0, 1), runs(2.0, 1.0, 2)], &[1.0, 0.5], |_| 0.0);
+        let (ladder, _) =
+            Ladder::climb(&[runs(1.0, 1.0, 1), runs(2.0, 1.0, 2)], &[1.0, 0.5], |_| {
+                0.0
+            });
         assert!(!ladder.agrees);
         // What differs by rounding alone agrees.
-        assert_eq!(between(&runs(1.0, 0.0, 1), &runs(1.0 + 1e-9, 0.0, 1), 1e-6), 0.0);
+        assert_eq!(
+            between(&runs(1.0, 0.0, 1), &runs(1.0 + 1e-9, 0.0, 1), 1e-6),
+            0.0
+        );
     }
 }

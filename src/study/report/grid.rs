@@ -18,12 +18,19 @@ pub fn cells(row: &Row) -> Vec<&Cell> {
     let seconds = |cell: &Cell| cell.times.as_ref().map(|t| t.processor_seconds);
     let mut methods: Vec<&str> = row.cells.iter().map(|cell| cell.method.as_str()).collect();
     methods.dedup();
-    methods.truncate(row.cells.iter().take_while(|c| c.spp == row.cells[0].spp).count());
+    methods.truncate(
+        row.cells
+            .iter()
+            .take_while(|c| c.spp == row.cells[0].spp)
+            .count(),
+    );
     let of = |name: &str| {
         let name = name.to_string();
         row.cells.iter().filter(move |cell| cell.method == name)
     };
-    let longest = methods.iter().filter_map(|name| of(name).filter_map(seconds).reduce(f64::max));
+    let longest = methods
+        .iter()
+        .filter_map(|name| of(name).filter_map(seconds).reduce(f64::max));
     let Some(common) = longest.reduce(f64::min) else {
         return Vec::new();
     };

@@ -44,6 +44,9 @@ pub fn write(
     let summary = summary::svg(rows);
     put("summary.svg".into(), summary.as_bytes())?;
     put("summary.png".into(), &chart::png(&summary)?)?;
-    put("study.html".into(), page::html(plan, &summary, &panels).as_bytes())?;
+    put(
+        "study.html".into(),
+        page::html(plan, &summary, &panels).as_bytes(),
+    )?;
     Ok(files)
 }

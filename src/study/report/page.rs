@@ -95,7 +95,8 @@ fn line(cell: &Cell) -> String {
         Kind::Right => format!("<td class=\"{kind}\">{kind}: {text}</td>"),
         _ => format!("<td><span class=\"{kind}\">{kind}</span>: {text}</td>"),
     };
-    let number = |value: Option<String>| format!("<td class=\"n\">{}</td>", value.unwrap_or("–".into()));
+    let number =
+        |value: Option<String>| format!("<td class=\"n\">{}</td>", value.unwrap_or("–".into()));
     let figures = cell.figures.as_ref();
     let times = cell.times.as_ref();
     let columns = [
@@ -103,7 +104,11 @@ fn line(cell: &Cell) -> String {
         number(figures.map(|f| percent(f.rmse))),
         number(figures.map(|f| percent(f.bias_squared.max(0.0).sqrt()))),
         number(figures.and_then(|f| f.coverage).map(percent)),
-        number(times.and_then(|t| t.relative_efficiency).map(|e| format!("{e:.2}"))),
+        number(
+            times
+                .and_then(|t| t.relative_efficiency)
+                .map(|e| format!("{e:.2}")),
+        ),
     ];
     format!(
         "<tr><td>{}</td><td class=\"n\">{}</td>{}{verdict}</tr>",

@@ -62,7 +62,10 @@ fn counts(rows: &[Row]) -> String {
         }
     }
     let names = Kind::ALL.map(|(name, _)| name).join(" | ");
-    let mut text = format!("| method | {names} |\n|---|{}\n", "---|".repeat(Kind::ALL.len()));
+    let mut text = format!(
+        "| method | {names} |\n|---|{}\n",
+        "---|".repeat(Kind::ALL.len())
+    );
     for method in methods {
         let of = |kind: Kind| {
             let cells = rows.iter().flat_map(last_cells);
@@ -89,7 +92,10 @@ fn reference(row: &Row) -> String {
     };
     let sigmas: Vec<String> = ladder.sigmas.iter().map(|s| format!("{s:.1}")).collect();
     let noise = match row.reference.rms {
-        Some(rms) => format!("rms {rms:.3e}, its standard error {}", percent(row.reference.noise)),
+        Some(rms) => format!(
+            "rms {rms:.3e}, its standard error {}",
+            percent(row.reference.noise)
+        ),
         None => "no gradient stands out of its noise".into(),
     };
     format!(

@@ -24,7 +24,10 @@ pub fn json(plan: &Plan, rows: &[Row]) -> Result<String, Failure> {
 /// The same a line a cell, the columns of times last.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = String::from(COLUMNS);
-    for (row, cell) in rows.iter().flat_map(|row| row.cells.iter().map(move |c| (row, c))) {
+    for (row, cell) in rows
+        .iter()
+        .flat_map(|row| row.cells.iter().map(move |c| (row, c)))
+    {
         let f = cell.figures.clone();
         let t = cell.times.clone();
         let figure = |of: fn(&crate::study::cell::Figures) -> Option<f64>| f.as_ref().and_then(of);
