@@ -56,6 +56,19 @@ impl Case {
             body: self.body.clone(),
         }
         .text(16);
+        // What has a $size has clip planes of that size.
+        let text = match self.defaults.iter().any(|(name, _)| *name == "near") {
+            true => text
+                .replace(
+                    r#"name="near_clip" value="0.01""#,
+                    r#"name="near_clip" value="$near""#,
+                )
+                .replace(
+                    r#"name="far_clip" value="100""#,
+                    r#"name="far_clip" value="$clip""#,
+                ),
+            false => text,
+        };
         let defaults = self.defaults.iter();
         let defaults: String = defaults
             .map(|(name, value)| format!("  <default name=\"{name}\" value=\"{value}\"/>\n"))

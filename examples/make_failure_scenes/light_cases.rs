@@ -26,12 +26,12 @@ fn shadow(
             + &floor(30.0)
             + &lamp(
                 "light",
-                r#"<scale value="$half"/><translate x="-0.3" z="3"/>"#,
+                r#"<scale value="$half"/><translate x="-0.3" z="4"/>"#,
                 "$power, $power, $power",
             ),
         comment: "The light has the same power at every size.",
         origin: "0, -4, 3.4",
-        defaults: &[("side", "0.5"), ("half", "0.3"), ("power", "60")],
+        defaults: &[("side", "0.5"), ("half", "0.3"), ("power", "100")],
         defines,
         moves: &[("obj.translation", "[1, 0.3, 0]")],
         ..Case::new("T6", name, symptom)
@@ -42,13 +42,13 @@ fn sizes() -> Vec<Case> {
     vec![
         shadow(
             "light_small",
-            &[("half", "0.01"), ("power", "54000")],
+            &[("half", "0.01"), ("power", "90000")],
             "a light that is nearly a point: sharp shadows, wide kernels miss them",
         ),
         shadow("light_middle", &[], "a soft shadow: interior lacks it"),
         shadow(
             "light_large",
-            &[("half", "10"), ("power", "0.3")],
+            &[("half", "10"), ("power", "0.5")],
             "a light as large as the scene: its border is in every kernel",
         ),
         shadow(

@@ -126,7 +126,7 @@ fn metals() -> Vec<Case> {
             max_depth: 3,
             origin: "0, -3, 1.8",
             target: "0, 0.6, 0",
-            moves: &[("mirror.bsdf.eta.value", "[1]")],
+            moves: &[("mirror.bsdf.eta.value", "[1, 1, 1]")],
             ..Case::new(
                 "found",
                 "metal_eta_0",

@@ -49,6 +49,8 @@ fn placed(
             ("x", "0"),
             ("y", "-4"),
             ("z", "3"),
+            ("near", "0.01"),
+            ("clip", "100"),
         ],
         defines,
         moves: &[("obj.translation", "[1, 0, 0]")],
@@ -67,13 +69,25 @@ pub fn all() -> Vec<Case> {
         scaled(
             "scale_large",
             "T17",
-            &[("size", "1e4"), ("y", "-4e4"), ("z", "3e4")],
+            &[
+                ("size", "1e4"),
+                ("y", "-4e4"),
+                ("z", "3e4"),
+                ("near", "100"),
+                ("clip", "1e6"),
+            ],
             "constants in world units",
         ),
         scaled(
             "scale_small",
             "T17",
-            &[("size", "1e-4"), ("y", "-4e-4"), ("z", "3e-4")],
+            &[
+                ("size", "1e-4"),
+                ("y", "-4e-4"),
+                ("z", "3e-4"),
+                ("near", "1e-6"),
+                ("clip", "0.01"),
+            ],
             "constants in world units",
         ),
         scaled(
