@@ -8,7 +8,7 @@ BUILD = cargo build --release --locked
 CARGO_RUN = cargo run --release --locked --quiet --
 DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
-.PHONY: help deps demo test test-long bench bench-backends figures test-bare-debian
+.PHONY: help deps demo test test-long bench bench-backends figures study test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
@@ -17,6 +17,7 @@ help:
 	@echo "make bench          speed, on this machine"
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
+	@echo "make study          every method on the failure battery: docs/stability.md, and charts into out/study (minutes)"
 	@echo "make test-bare-debian  make demo and make test on a bare Debian 12 and a bare Debian 13, in chroots (long)"
 	@echo "make deps           only install what the others need"
 
@@ -47,6 +48,11 @@ bench-backends: deps
 
 figures: deps
 	scripts/figures $(if $(QUICK),--quick)
+
+study: deps
+	$(BUILD)
+	rm -f out/study/study.jsonl
+	$(CARGO_RUN) study scenes/failures/study.toml -o out/study --report docs/stability.md
 
 test-bare-debian:
 	scripts/test-bare-debian

@@ -2,6 +2,9 @@
 
 pub mod agreement;
 pub mod comparison;
+pub mod concentration;
 pub mod estimate;
 pub mod image_mean;
 pub mod replicates;
+pub mod sigmas;
+pub mod tradeoff;
