@@ -307,6 +307,16 @@ impl<'a> Loader<'a> {
 
     /// An emitter that stands in the scene itself.
     fn emitter(&mut self, object: &'a Object) -> Result<(), SceneError> {
+        // How often a light is looked at changes no mean, but a light that no ray meets by chance is
+        // black if it never is.
+        let weight = object.float("sampling_weight")?.unwrap_or(1.0);
+        let is_met = matches!(object.plugin.as_str(), "constant" | "envmap");
+        if weight == 0.0 && !is_met {
+            let what = "its \"sampling_weight\" is 0: it lights nothing, and is left out";
+            let warning = format!("{}: {} {what}", object.place, object.shown());
+            self.scene.warnings.push(warning);
+            return Ok(());
+        }
         let (input, textures) = (&mut self.input, &mut self.textures);
         match object.plugin.as_str() {
             "area" => Err(object.error("an area emitter stands inside the shape that emits")),
