@@ -27,7 +27,8 @@ pub fn check(
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
     let moves = request.moves_geometry() || request.refraction_moves(scene);
-    if moves || request.delta_lights.iter().any(Option::is_some) {
+    let moves_beams = moves || request.delta_lights.iter().any(Option::is_some);
+    if moves_beams && misses(Discontinuity::BeamEdge) {
         for light in &scene.delta_lights {
             if let Some(what) = beam_edge(scene, light) {
                 return refuse(what);

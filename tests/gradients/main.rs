@@ -8,6 +8,7 @@ mod determinism;
 mod finite_differences;
 mod finite_differences_foliage;
 mod finite_differences_indirect;
+mod finite_differences_keys;
 mod finite_differences_materials;
 mod finite_differences_pictures;
 mod last_vertex;
