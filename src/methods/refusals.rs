@@ -38,16 +38,8 @@ pub fn check(
     if !moves {
         return Ok(());
     }
-    let kind = match sensor.lens {
-        Lens::Pinhole => None,
-        Lens::Thin { .. } => Some("through a lens with an aperture"),
-        Lens::Parallel { .. } => Some("by a parallel projection"),
-    };
-    if let Some(kind) = kind {
-        return refuse(format!(
-            "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
-            sensor.id
-        ));
+    if let Some(what) = behind_a_lens(sensor) {
+        return refuse(what);
     }
     let used = || {
         let used = scene.meshes.iter().map(|m| m.material);
@@ -85,6 +77,19 @@ pub fn check(
         return refuse(sharp_shadows(&light.key));
     }
     Ok(())
+}
+
+/// Why edges that a camera sees are not found.
+fn behind_a_lens(sensor: &Sensor) -> Option<String> {
+    let kind = match sensor.lens {
+        Lens::Pinhole => return None,
+        Lens::Thin { .. } => "through a lens with an aperture",
+        Lens::Parallel { .. } => "by a parallel projection",
+    };
+    Some(format!(
+        "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+        sensor.id
+    ))
 }
 
 /// Why the light of a beam has an edge on what it falls on, which nobody looks for.

@@ -68,7 +68,7 @@ fn the_cameras_matrix() {
 fn vertex_normals() {
     let body = ball(2, vec3(0.1, 0.0, 0.5), 0.4);
     let normals: Vec<Vec3> = body
-        .positions
+        .0
         .iter()
         .map(|p| (*p - vec3(0.1, 0.0, 0.5)).normalize())
         .collect();

@@ -61,6 +61,7 @@ pub fn wanted(
 /// The gradient of one parameter, of its shape, from the cotangents of the scene. Sums over
 /// vertices are in double precision and in their order. What the cotangent does not hold counts as
 /// zero. Empty for a parameter that is not differentiable.
+// Long: one arm for every kind of parameter.
 pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferential) -> Vec<f32> {
     let Some(target) = parameter.target else {
         return Vec::new();

@@ -107,6 +107,7 @@ fn move_body(scene: &mut Scene, body: Body, motion: &MeshMotion) {
 /// direction has as many values as the parameter, or those of its last axis. Arithmetic is in
 /// double precision; rotations are by the rotation vector `step`·direction, not by its first-order
 /// term.
+// Long: one arm for every kind of parameter.
 pub fn displace<V: AsRef<[f32]>>(
     scene: &Scene,
     directions: &[(Parameter, V)],
@@ -314,6 +315,7 @@ fn set_x_fov(scene: &mut Scene, key: &str, s: usize, fov_deg: f64) -> Result<(),
 
 /// Sets a parameter. Motions (translation, rotation, scale) are applied to the scene as it is: a
 /// translation by the value, a scaling by the factor. Computed normals follow.
+// Long: one arm for every kind of parameter.
 pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result<(), SceneError> {
     let target = parameter.target()?;
     let values = parameter.broadcast(values)?;

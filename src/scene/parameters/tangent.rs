@@ -28,6 +28,7 @@ pub fn tangent<K: AsRef<str>, V: AsRef<[f32]>>(
 }
 
 /// Adds one direction; `values` has the parameter's length.
+// Long: one arm for every kind of parameter.
 fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32]) {
     let vector = |at: usize| {
         let part = values.get(3 * at..3 * at + 3).unwrap_or(&[0.0; 3]);

@@ -138,22 +138,30 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
     }));
     let fov = |s: &Scene| f64::from(s.sensors[sensor].x_fov_rad).to_degrees();
     out.push((fov(plus) - fov(minus)) / (2.0 * step));
-    // What of dM is no rotation.
-    let change = |of: &dyn Fn(&Scene) -> glam::DMat3| (of(plus) - of(minus)) * (0.5 / step);
-    let matrix = |s: &Scene| glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3();
-    let turn = out[out.len() - 4..out.len() - 1].to_vec();
-    let turned = |axis: glam::DVec3| glam::DVec3::from_slice(&turn).cross(axis);
-    let (base_axes, moved) = (matrix(base), change(&matrix));
-    for i in 0..3 {
-        let rest = moved.col(i) - turned(base_axes.col(i));
-        out.extend(rest.to_array());
-    }
-    let offset = |s: &Scene| s.sensors[sensor].principal_point_offset.as_dvec2();
-    out.extend(((offset(plus) - offset(minus)) * (0.5 / step)).to_array());
+    let turn = glam::DVec3::from_slice(&out[out.len() - 4..out.len() - 1]);
+    out.extend(rest_of_camera(plus, minus, base, sensor, step, turn));
     out.extend(spin(&|s| {
         let map = s.environment.as_ref().and_then(|e| e.map);
         map.map_or(glam::DMat3::IDENTITY, |m| m.to_world.as_dmat3())
     }));
+    out
+}
+
+/// The differences of a camera's axes that are no rotation, and of its principal point.
+fn rest_of_camera(
+    plus: &Scene,
+    minus: &Scene,
+    base: &Scene,
+    sensor: usize,
+    step: f64,
+    turn: glam::DVec3,
+) -> Vec<f64> {
+    let matrix = |s: &Scene| glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3();
+    let moved = (matrix(plus) - matrix(minus)) * (0.5 / step);
+    let rest = |i: usize| moved.col(i) - turn.cross(matrix(base).col(i));
+    let mut out: Vec<f64> = (0..3).flat_map(|i| rest(i).to_array()).collect();
+    let offset = |s: &Scene| s.sensors[sensor].principal_point_offset.as_dvec2();
+    out.extend(((offset(plus) - offset(minus)) * (0.5 / step)).to_array());
     out
 }
 
