@@ -34,9 +34,6 @@ impl Materials {
     ) -> Result<usize, SceneError> {
         let tree = input.tree;
         let object = &tree.objects[index];
-        if !object.is_supported {
-            return Err(object.error("this bsdf is not supported"));
-        }
         let two_sided = object.plugin == "twosided";
         let inner = inner(tree, index)?;
         if let Some(&material) = self.by_use.get(&(inner, two_sided)) {
