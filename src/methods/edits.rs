@@ -40,6 +40,8 @@ impl Edits {
             Target::SensorTranslation(_)
             | Target::SensorRotation(_)
             | Target::SensorXFov(_)
+            | Target::SensorToWorld(_)
+            | Target::SensorPrincipalPoint { .. }
             | Target::DeltaLightPosition(_)
             | Target::DeltaLightTranslation(_) => {}
         }

@@ -67,6 +67,8 @@ pub enum Discontinuity {
     SoftShadow,
     /// Shadows of delta lights.
     SharpShadow,
+    /// Where the picture of a projector or the beam of a spot ends.
+    BeamEdge,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,
     /// What is seen behind surfaces that do nothing to light.

@@ -30,7 +30,8 @@ pub fn check(
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
     let moves = request.moves_geometry() || request.refraction_moves(scene);
-    if moves || request.delta_lights.iter().any(Option::is_some) {
+    let moves_beams = moves || request.delta_lights.iter().any(Option::is_some);
+    if moves_beams && misses(Discontinuity::BeamEdge) {
         for light in &scene.delta_lights {
             if let Some(what) = beam_edge(scene, light) {
                 return refuse(what);
@@ -40,16 +41,8 @@ pub fn check(
     if !moves {
         return Ok(());
     }
-    let kind = match sensor.lens {
-        Lens::Pinhole => None,
-        Lens::Thin { .. } => Some("through a lens with an aperture"),
-        Lens::Parallel { .. } => Some("by a parallel projection"),
-    };
-    if let Some(kind) = kind {
-        return refuse(format!(
-            "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
-            sensor.id
-        ));
+    if let Some(what) = behind_a_lens(sensor) {
+        return refuse(what);
     }
     let used = scene.meshes.iter().flat_map(|m| scene.parts_of(m.material));
     for m in used {
@@ -135,6 +128,19 @@ pub fn check_geometry(
         )));
     }
     Ok(())
+}
+
+/// Why edges that a camera sees are not found.
+fn behind_a_lens(sensor: &Sensor) -> Option<String> {
+    let kind = match sensor.lens {
+        Lens::Pinhole => return None,
+        Lens::Thin { .. } => "through a lens with an aperture",
+        Lens::Parallel { .. } => "by a parallel projection",
+    };
+    Some(format!(
+        "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+        sensor.id
+    ))
 }
 
 /// Why the light of a beam has an edge on what it falls on, which nobody looks for.

@@ -16,9 +16,11 @@ pub fn object_of(target: Target) -> Option<Object> {
         | Target::ShapeTranslation(body)
         | Target::ShapeRotation(body)
         | Target::ShapeScale(body) => Some(Object::Mesh(body.first)),
-        Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
-            Some(Object::Camera)
-        }
+        Target::SensorTranslation(_)
+        | Target::SensorRotation(_)
+        | Target::SensorXFov(_)
+        | Target::SensorToWorld(_)
+        | Target::SensorPrincipalPoint { .. } => Some(Object::Camera),
         Target::Texels(texture) | Target::Texel { texture, .. } => Some(Object::Texture(texture)),
         Target::EnvironmentScale | Target::EnvironmentRotation => Some(Object::Environment),
         // Their samples are as good as those of the colours beside them.

@@ -25,6 +25,7 @@ pub(super) fn area(
         let what = "an area emitter has no to_world of its own: it goes with its shape";
         return Err(object.property_error("to_world", what));
     }
+    object.float("sampling_weight")?;
     let mut slots = slots(input, textures, object, key);
     slots.only(&["radiance"])?;
     slots.texture("radiance", [1.0; 3], POSITIVE)

@@ -24,7 +24,7 @@ pub fn load(path: impl AsRef<Path>, defines: &[(String, String)]) -> Result<Scen
 }
 
 /// Loads what can be loaded of a scene, so that its parameters can be listed: what is not supported
-/// or wrong is left out, with warnings. Its image would be another.
+/// is left out, with warnings. Its image would be another.
 pub fn load_to_list(
     path: impl AsRef<Path>,
     defines: &[(String, String)],
@@ -49,18 +49,13 @@ fn load_as(
 ) -> Result<Scene, SceneError> {
     let mut hash = Fnv1a::default();
     let tree = read_tree(files, path, defines, &mut hash, to_list)?;
-    let mut loader = Loader::new(Input::new(&tree, files, hash), to_list);
+    let mut loader = Loader::new(Input::new(&tree, files, hash));
     let errors = loader.everything();
     let errors: Vec<SceneError> = match loader.samples_are_missed() {
         Some(error) => errors.into_iter().chain([error]).collect(),
         None => errors,
     };
-    if to_list {
-        let left_out = errors.iter().map(|e| format!("left out: {e}"));
-        loader.scene.warnings.extend(left_out);
-    } else {
-        SceneError::all(errors)?;
-    }
+    SceneError::all(errors)?;
     let root = &tree.objects[0];
     if loader.scene.sensors.is_empty() {
         if loader.scene.meshes.is_empty() && !to_list {
@@ -94,19 +89,16 @@ struct Loader<'a> {
     groups: HashMap<usize, Vec<Mesh>>,
     copies: instance::Copies,
     has_integrator: bool,
-    /// What is wrong with a shape's bsdf does not matter.
-    to_list: bool,
     /// Shapes, sensors and so on that were already met, and by `<ref>` again.
     met: HashSet<usize>,
 }
 
 impl<'a> Loader<'a> {
-    fn new(input: Input<'a>, to_list: bool) -> Self {
+    fn new(input: Input<'a>) -> Self {
         let tree = input.tree;
         Self {
             tree,
             input,
-            to_list,
             scene: Scene {
                 meshes: Vec::new(),
                 instances: Vec::new(),
@@ -190,7 +182,7 @@ impl<'a> Loader<'a> {
     /// A bsdf or texture of the scene that nothing uses: it is listed, and its errors are found.
     fn unused(&mut self, child: &'a Child, tag: &str) -> Result<(), SceneError> {
         let object = &self.tree.objects[child.object];
-        if object.tag != tag || !object.is_supported {
+        if object.tag != tag || self.tree.lacks_support(child.object) {
             return Ok(());
         }
         let key = self.names.of(object);
@@ -259,15 +251,13 @@ impl<'a> Loader<'a> {
         let parts = shape::parts(self.tree, object)?;
         let bsdf_key = format!("{id}.bsdf");
         let material = match parts.bsdf {
+            Some(child) if self.tree.lacks_support(child.object) => {
+                self.materials.unknown(&bsdf_key)
+            }
             Some(child) => {
                 let (input, textures) = (&mut self.input, &mut self.textures);
-                let read = self
-                    .materials
-                    .bsdf(input, textures, child.object, &bsdf_key);
-                match read {
-                    Err(_) if self.to_list => self.materials.unknown(&bsdf_key),
-                    read => read?,
-                }
+                self.materials
+                    .bsdf(input, textures, child.object, &bsdf_key)?
             }
             None => {
                 let emits = parts.emitter.is_some();
@@ -313,6 +303,16 @@ impl<'a> Loader<'a> {
 
     /// An emitter that stands in the scene itself.
     fn emitter(&mut self, object: &'a Object) -> Result<(), SceneError> {
+        // How often a light is looked at changes no mean, but a light that no ray meets by chance is
+        // black if it never is.
+        let weight = object.float("sampling_weight")?.unwrap_or(1.0);
+        let is_met = matches!(object.plugin.as_str(), "constant" | "envmap");
+        if weight == 0.0 && !is_met {
+            let what = "its \"sampling_weight\" is 0: it lights nothing, and is left out";
+            let warning = format!("{}: {} {what}", object.place, object.shown());
+            self.scene.warnings.push(warning);
+            return Ok(());
+        }
         let (input, textures) = (&mut self.input, &mut self.textures);
         match object.plugin.as_str() {
             "area" => Err(object.error("an area emitter stands inside the shape that emits")),

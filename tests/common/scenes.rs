@@ -98,6 +98,7 @@ fn add(
     scene.meshes.push(Mesh {
         id: id.into(),
         positions,
+        to_world: Default::default(),
         triangles,
         normals,
         uvs: Vec::new(),

@@ -11,6 +11,7 @@ mod finite_differences_delta;
 mod finite_differences_foliage;
 mod finite_differences_indirect;
 mod finite_differences_layers;
+mod finite_differences_keys;
 mod finite_differences_materials;
 mod finite_differences_pictures;
 mod last_vertex;

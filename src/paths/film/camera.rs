@@ -17,6 +17,8 @@ pub struct Camera {
     /// Film coordinates (pixels of the crop window) to the camera's tangents: p = offset + scale·u.
     offset: [f64; 2],
     scale: f64,
+    /// The film's height over its width.
+    aspect: f64,
     pub near_clip: f32,
     pub far_clip: f32,
     /// What of it is no pinhole is for images and what does not move: `methods::refusals`.
@@ -41,6 +43,7 @@ impl Camera {
                 (1.0 - 2.0 * (crop_y / height + shift.y)) * height / width,
             ],
             scale: -2.0 / width,
+            aspect: height / width,
             near_clip: sensor.near_clip,
             far_clip: sensor.far_clip,
             lens: sensor.lens,
@@ -114,6 +117,14 @@ impl Camera {
             near: self.near_clip,
             far: self.far_clip,
         }
+    }
+
+    /// How the axis of view would have to lean to see what a principal point sees that is shifted by
+    /// the film's width, or its height.
+    pub fn axis_per_offset(&self) -> [DVec3; 2] {
+        let [x, y, _] = self.axes.map(|a| a.as_dvec3());
+        let tan = -2.0 * self.tan_half_x_fov;
+        [x * tan, y * (tan * self.aspect)]
     }
 
     /// How the direction changes per pixel to the right and down.

@@ -43,9 +43,6 @@ impl Materials {
     ) -> Result<usize, SceneError> {
         let tree = input.tree;
         let object = &tree.objects[index];
-        if !object.is_supported {
-            return Err(object.error("this bsdf is not supported"));
-        }
         let two_sided = object.plugin == "twosided";
         let inner = inner(tree, index)?;
         let key = object.id.as_deref().unwrap_or(key);

@@ -3,11 +3,11 @@
 use super::motion::pivot;
 use super::parameter::Parameter;
 use super::target::Target;
-use super::to_world::MatrixBar;
+use super::to_world::{MatrixBar, matrix_rows};
 use crate::scene::data::{Body, Normals, Scene};
 use crate::scene::differential::SceneDifferential;
 use crate::scene::error::SceneError;
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// Zeros for exactly what the backward sweep must accumulate, so that [`reduce`] can give the
 /// gradients of these parameters, seen from sensor `sensor`.
@@ -34,7 +34,11 @@ pub fn wanted(
                     out.want_mesh(scene, m);
                 }
             }
-            Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
+            Target::SensorTranslation(_)
+            | Target::SensorRotation(_)
+            | Target::SensorXFov(_)
+            | Target::SensorToWorld(_)
+            | Target::SensorPrincipalPoint { .. } => {
                 out.camera.get_or_insert_default();
             }
             Target::Texels(t) | Target::Texel { texture: t, .. } => {
@@ -57,6 +61,7 @@ pub fn wanted(
 /// The gradient of one parameter, of its shape, from the cotangents of the scene. Sums over
 /// vertices are in double precision and in their order. What the cotangent does not hold counts as
 /// zero. Empty for a parameter that is not differentiable.
+// Long: one arm for every kind of parameter.
 pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferential) -> Vec<f32> {
     let Some(target) = parameter.target else {
         return Vec::new();
@@ -108,6 +113,16 @@ pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferentia
         Target::SensorTranslation(_) => camera.translation.to_array().to_vec(),
         Target::SensorRotation(_) => camera.rotation.to_array().to_vec(),
         Target::SensorXFov(_) => vec![camera.x_fov_deg],
+        Target::SensorToWorld(_) => {
+            let matrix = DAffine3 {
+                matrix3: DMat3::from_cols_array_2d(&camera.axes.map(|a| a.as_dvec3().to_array())),
+                translation: camera.translation.as_dvec3(),
+            };
+            let mut rows = matrix_rows(matrix).map(|v| v as f32);
+            rows[15] = 0.0;
+            rows.to_vec()
+        }
+        Target::SensorPrincipalPoint { axis, .. } => vec![camera.principal_point_offset[axis]],
         Target::Texels(t) => match &cotangent.texels[t] {
             Some(texels) => {
                 let channels = scene.textures[t].channels;

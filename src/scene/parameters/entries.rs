@@ -114,18 +114,9 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
     }
     let film = &sensor.film;
     let pair = |a: u32, b: u32| vec![f64::from(a), f64::from(b)];
-    let offset = sensor.principal_point_offset;
-    let matrix = glam::Mat4::from(sensor.to_world).transpose();
-    let rows: Vec<f64> = matrix
-        .to_cols_array()
-        .iter()
-        .map(|&v| f64::from(v))
-        .collect();
     let fixed = [
         ("near_clip", vec![f64::from(sensor.near_clip)]),
         ("far_clip", vec![f64::from(sensor.far_clip)]),
-        ("principal_point_offset_x", vec![f64::from(offset.x)]),
-        ("principal_point_offset_y", vec![f64::from(offset.y)]),
         ("film.size", pair(film.width, film.height)),
         ("film.crop_size", film.crop_size.map(f64::from).to_vec()),
         ("film.crop_offset", film.crop_offset.map(f64::from).to_vec()),
@@ -134,7 +125,13 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         let shape = [numbers.len()];
         out.push(Entry::numbers(format!("{id}.{name}"), &shape, numbers));
     }
-    let mut to_world = Entry::numbers(format!("{id}.to_world"), &[4, 4], rows);
-    to_world.refusal = Some("its translation and rotation can be");
-    out.push(to_world);
+    if sensor.lens == Lens::Pinhole {
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let key = format!("{id}.principal_point_offset_{name}");
+            let target = Target::SensorPrincipalPoint { sensor: s, axis };
+            out.push(Entry::of(key, &[1], target));
+        }
+    }
+    let to_world = Target::SensorToWorld(s);
+    out.push(Entry::of(format!("{id}.to_world"), &[4, 4], to_world));
 }

@@ -6,6 +6,7 @@ use super::to_uv::{from_rows, rows};
 use super::to_world::from_matrix_rows;
 use crate::scene::data::{Body, DeltaLightKind, EnvironmentMap, Mesh, Normals, Rgb, Scene};
 use crate::scene::error::SceneError;
+use crate::scene::rigid::is_rigid;
 use crate::scene::vertex_normals::vertex_normals;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -106,6 +107,7 @@ fn move_body(scene: &mut Scene, body: Body, motion: &MeshMotion) {
 /// direction has as many values as the parameter, or those of its last axis. Arithmetic is in
 /// double precision; rotations are by the rotation vector `step`·direction, not by its first-order
 /// term.
+// Long: one arm for every kind of parameter.
 pub fn displace<V: AsRef<[f32]>>(
     scene: &Scene,
     directions: &[(Parameter, V)],
@@ -164,6 +166,13 @@ pub fn displace<V: AsRef<[f32]>>(
                 let fov_deg = f64::from(out.sensors[s].x_fov_rad).to_degrees() + first.x;
                 set_x_fov(&mut out, &parameter.key, s, fov_deg)?;
             }
+            Target::SensorToWorld(s) => {
+                let moved = sum(sensor_to_world(&out, s), from_matrix_rows(&values));
+                out.sensors[s].to_world = moved.as_affine3a();
+            }
+            Target::SensorPrincipalPoint { sensor, axis } => {
+                out.sensors[sensor].principal_point_offset[axis] += first.x as f32;
+            }
             Target::Texels(t) => {
                 let texture = &mut out.textures[t];
                 let offsets = values.chunks_exact(texture.channels);
@@ -204,6 +213,16 @@ pub fn displace<V: AsRef<[f32]>>(
         rotate_environment(&mut out, environment_rotation);
     }
     Ok(out)
+}
+
+fn sensor_to_world(scene: &Scene, s: usize) -> DAffine3 {
+    let to_world = scene.sensors[s].to_world;
+    let m = to_world.matrix3;
+    let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
+    DAffine3 {
+        matrix3: DMat3::from_cols(columns[0], columns[1], columns[2]),
+        translation: to_world.translation.as_dvec3(),
+    }
 }
 
 fn sum(a: DAffine3, b: DAffine3) -> DAffine3 {
@@ -296,6 +315,7 @@ fn set_x_fov(scene: &mut Scene, key: &str, s: usize, fov_deg: f64) -> Result<(),
 
 /// Sets a parameter. Motions (translation, rotation, scale) are applied to the scene as it is: a
 /// translation by the value, a scaling by the factor. Computed normals follow.
+// Long: one arm for every kind of parameter.
 pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result<(), SceneError> {
     let target = parameter.target()?;
     let values = parameter.broadcast(values)?;
@@ -347,6 +367,19 @@ pub fn apply(scene: &mut Scene, parameter: &Parameter, values: &[f32]) -> Result
         }
         Target::SensorRotation(s) => rotate_sensor(scene, s, first),
         Target::SensorXFov(s) => set_x_fov(scene, &parameter.key, s, first.x)?,
+        Target::SensorToWorld(s) => {
+            let rows: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+            let to_world = from_matrix_rows(&rows);
+            if rows[12..] != [0.0, 0.0, 0.0, 1.0] || !is_rigid(to_world.matrix3) {
+                return refuse(
+                    "a camera's to_world rotates and translates, and its last row is 0, 0, 0, 1",
+                );
+            }
+            scene.sensors[s].to_world = to_world.as_affine3a();
+        }
+        Target::SensorPrincipalPoint { sensor, axis } => {
+            scene.sensors[sensor].principal_point_offset[axis] = first.x as f32;
+        }
         Target::Texels(t) => {
             let texture = &mut scene.textures[t];
             check_limits(parameter, texture.limits, &values)?;

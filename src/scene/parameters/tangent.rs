@@ -28,6 +28,7 @@ pub fn tangent<K: AsRef<str>, V: AsRef<[f32]>>(
 }
 
 /// Adds one direction; `values` has the parameter's length.
+// Long: one arm for every kind of parameter.
 fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32]) {
     let vector = |at: usize| {
         let part = values.get(3 * at..3 * at + 3).unwrap_or(&[0.0; 3]);
@@ -72,6 +73,18 @@ fn add(out: &mut SceneDifferential, scene: &Scene, target: Target, values: &[f32
         Target::SensorTranslation(_) => camera(out).translation += vector(0),
         Target::SensorRotation(_) => camera(out).rotation += vector(0),
         Target::SensorXFov(_) => camera(out).x_fov_deg += values[0],
+        Target::SensorToWorld(_) => {
+            let rows: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+            let change = from_matrix_rows(&rows);
+            let camera = camera(out);
+            camera.translation += change.translation.as_vec3();
+            for (axis, column) in camera.axes.iter_mut().enumerate() {
+                *column += change.matrix3.col(axis).as_vec3();
+            }
+        }
+        Target::SensorPrincipalPoint { axis, .. } => {
+            camera(out).principal_point_offset[axis] += values[0];
+        }
         Target::Texels(t) => {
             let channels = scene.textures[t].channels;
             let texels = out.want_texels(scene, t);

@@ -24,6 +24,10 @@ pub enum Target {
     SensorRotation(usize),
     /// The horizontal opening angle of a sensor, degrees.
     SensorXFov(usize),
+    /// The first three rows of a sensor's `to_world`; the last one stays (0, 0, 0, 1).
+    SensorToWorld(usize),
+    /// A coordinate of a sensor's principal point, as a fraction of the film's width or height.
+    SensorPrincipalPoint { sensor: usize, axis: usize },
     /// All texels of a texture.
     Texels(usize),
     /// One texel of a texture: a colour of a checkerboard.
@@ -49,9 +53,11 @@ impl Target {
     /// The sensor it belongs to, if it belongs to one.
     pub fn sensor(self) -> Option<usize> {
         match self {
-            Target::SensorTranslation(s) | Target::SensorRotation(s) | Target::SensorXFov(s) => {
-                Some(s)
-            }
+            Target::SensorTranslation(s)
+            | Target::SensorRotation(s)
+            | Target::SensorXFov(s)
+            | Target::SensorToWorld(s)
+            | Target::SensorPrincipalPoint { sensor: s, .. } => Some(s),
             _ => None,
         }
     }

@@ -41,6 +41,14 @@ impl Value {
                 | Target::EnvironmentRotation
                 | Target::DeltaLightTranslation(_),
             ) => Value::Numbers(vec![0.0; 3]),
+            Some(Target::SensorToWorld(s)) => {
+                let matrix = glam::Mat4::from(scene.sensors[s].to_world).transpose();
+                Value::Numbers(matrix.to_cols_array().map(f64::from).to_vec())
+            }
+            Some(Target::SensorPrincipalPoint { sensor, axis }) => {
+                let offset = scene.sensors[sensor].principal_point_offset;
+                Value::Numbers(vec![f64::from(offset[axis])])
+            }
             Some(Target::SensorXFov(s)) => {
                 Value::Numbers(vec![f64::from(scene.sensors[s].x_fov_rad).to_degrees()])
             }

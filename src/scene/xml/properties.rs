@@ -25,6 +25,13 @@ pub(in crate::scene) struct Tree {
 }
 
 impl Tree {
+    /// Whether an object, or something inside it, is not supported: only when parameters are listed.
+    pub fn lacks_support(&self, object: usize) -> bool {
+        let object = &self.objects[object];
+        let mut children = object.children.iter();
+        !object.is_supported || children.any(|c| self.lacks_support(c.object))
+    }
+
     /// Takes out what is not supported, but bsdfs, whose places are known to the shapes.
     pub fn prune(&mut self) {
         let goes: Vec<bool> = self
