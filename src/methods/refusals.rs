@@ -25,7 +25,8 @@ pub fn check(
     {
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
-    if !request.moves_geometry() && !request.refraction_moves(scene) {
+    let light_moves = request.delta_lights.iter().any(Option::is_some);
+    if !request.moves_geometry() && !request.refraction_moves(scene) && !light_moves {
         return Ok(());
     }
     let used = || {
