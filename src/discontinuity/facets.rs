@@ -2,17 +2,36 @@
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::arc::Arc;
-use crate::discontinuity::walk::parameter;
+use crate::discontinuity::texture_edges;
+use crate::discontinuity::walk::{is_torn, parameter};
 use crate::trace::geometry::Geometry;
 
 /// Triangles crossed before the rest is given up.
 const MAX_FACETS: usize = 512;
 
-/// A triangle, and the parameter of the arc at which it is left.
+/// A triangle, the parameter of the arc at which it is left, and the corner at which the edge starts
+/// over which it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     pub triangle: u32,
     pub to: f64,
+    pub corner: usize,
+}
+
+impl Facet {
+    /// The edge over which it is left, if shading goes on over it though the plane does not.
+    pub fn bend(&self, geometry: &Geometry, adjacency: &Adjacency) -> Option<[u32; 2]> {
+        let &Self {
+            triangle, corner, ..
+        } = self;
+        let vertices = geometry.triangles[triangle as usize];
+        let across = adjacency.across(triangle, corner)?;
+        let is_smooth = geometry.smooth[geometry.mesh_of_triangle[triangle as usize] as usize];
+        let is_seam = geometry.pattern(triangle).is_some()
+            && texture_edges::is_seam(geometry, triangle, corner, &across);
+        let goes_on = is_smooth && !is_seam && !is_torn(geometry, triangle, corner, &across);
+        goes_on.then(|| [vertices[corner], vertices[(corner + 1) % 3]])
+    }
 }
 
 /// The triangles of one surface that an arc passes over, from `start`, which the ray along `arc.a`
@@ -48,7 +67,11 @@ pub fn facets(
             break;
         };
         from = to.clamp(from, limit);
-        found.push(Facet { triangle, to: from });
+        found.push(Facet {
+            triangle,
+            to: from,
+            corner,
+        });
         if to >= limit {
             break;
         }

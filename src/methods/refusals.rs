@@ -29,9 +29,9 @@ pub fn check(
     {
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
-    let moves = request.moves_geometry() || request.refraction_moves(scene);
-    let moves_beams = moves || request.delta_lights.iter().any(Option::is_some);
-    if moves_beams && misses(Discontinuity::BeamEdge) {
+    let light_moves = request.delta_lights.iter().any(Option::is_some);
+    let moves = request.moves_geometry() || request.refraction_moves(scene) || light_moves;
+    if moves && misses(Discontinuity::BeamEdge) {
         for light in &scene.delta_lights {
             if let Some(what) = beam_edge(scene, light) {
                 return refuse(what);

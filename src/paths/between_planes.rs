@@ -69,12 +69,14 @@ const ROUNDING: f32 = 1e-5;
 
 impl SceneView<'_> {
     /// Leaves out what is alike on both sides of bends: emission, and light samples from elsewhere
-    /// than between the planes.
+    /// than between the planes. Where somebody else looks for the edges at which a surface turns
+    /// away from delta lights, these are left out altogether.
     pub fn keep_between(
         &self,
         between: &BetweenPlanes,
         vertices: &mut Vertices,
         surface: &Surface,
+        with_delta_lights: bool,
         store: &mut TileStore,
     ) {
         let keep = |counts: u32, weight: Lane| {
@@ -94,7 +96,12 @@ impl SceneView<'_> {
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
         let sights = &mut store.delta_visible[from..to];
         for (light, sight) in self.scene.delta_lights.iter().zip(sights) {
-            sight.seen &= between.count(toward(light, surface.x).0);
+            let counts = if with_delta_lights {
+                between.count(toward(light, surface.x).0)
+            } else {
+                !between.lanes
+            };
+            sight.seen &= counts;
         }
     }
 }

@@ -118,8 +118,10 @@ impl Integrator<'_> {
             let between = (start.between_planes != 0 && depth == start.depth)
                 .then(|| BetweenPlanes::new(start.between_planes, &surface));
             if let Some(between) = &between {
+                // On the film they have a search of their own.
+                let with_delta_lights = depth > 0;
                 self.view
-                    .keep_between(between, &mut vertices, &surface, store);
+                    .keep_between(between, &mut vertices, &surface, with_delta_lights, store);
             }
             if !bounces {
                 store.vertices.push(vertices);

@@ -3,6 +3,7 @@
 mod analytic_edge;
 mod analytic_irradiance;
 mod analytic_shadow;
+mod analytic_sharp_shadow;
 mod black;
 mod determinism;
 mod edges;

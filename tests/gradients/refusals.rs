@@ -76,6 +76,8 @@ fn sharp_shadows_are_not_refused() {
         taken(&scene, method, "bulb.position", &MOVED);
         taken(&scene, method, "bulb.intensity.value", &MOVED);
     }
+    let mirrored = scene.plastic("floor", None);
+    refused(&mirrored, "bulb.translation", &MOVED, "floor.bsdf");
     let direction = vec3(0.0, 0.0, -1.0);
     let scene = lamp(DeltaLightKind::Directional { direction });
     taken(&scene, Method::Reparam, "block.translation", &MOVED);

@@ -16,11 +16,11 @@ use glam::DVec3;
 const MOST_STEP: f64 = 0.1;
 
 /// The rays between two that see known triangles.
-pub struct Rays<'a, F> {
+pub struct Rays<F> {
     pub arc: Arc,
     pub seen: [u32; 2],
     /// What is seen at a parameter of the arc.
-    pub first_hit: &'a F,
+    pub first_hit: F,
 }
 
 /// Where a shadow ends.
@@ -72,12 +72,16 @@ pub fn follow<F: Fn(f64) -> u32>(
     let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
     let [triangle, other] = *seen;
     let passed = if triangle == other {
-        vec![Facet { triangle, to: end }]
+        vec![Facet {
+            triangle,
+            to: end,
+            corner: 0,
+        }]
     } else {
         facets(geometry, adjacency, arc, triangle, end)
     };
     let mut from = 0.0;
-    for Facet { triangle, to } in passed {
+    for Facet { triangle, to, .. } in passed {
         if to <= from {
             continue;
         }
@@ -95,7 +99,11 @@ pub fn follow<F: Fn(f64) -> u32>(
 }
 
 /// Up to which parameter the surface is seen that the first ray meets.
-fn surface_end<F: Fn(f64) -> u32>(scene: &SearchScene, rays: &Rays<F>, counts: &mut Counts) -> f64 {
+pub fn surface_end<F: Fn(f64) -> u32>(
+    scene: &SearchScene,
+    rays: &Rays<F>,
+    counts: &mut Counts,
+) -> f64 {
     let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
     let [a, mut b] = rays.seen;
     let [mut low, mut high] = [0.0, 1.0];
@@ -189,7 +197,7 @@ fn walk_over(scene: &SearchScene, source: &Source, way: &Arc, occluder: u32) -> 
 }
 
 /// How far beyond a silhouette single precision tells that the light is seen, in parts of `length`.
-fn step(x: DVec3, length: f64) -> f64 {
+pub fn step(x: DVec3, length: f64) -> f64 {
     let room = 1.0 + x.abs().max_element();
     (NEAREST * room / length).min(MOST_STEP)
 }

@@ -101,8 +101,12 @@ impl<'a> Receiver<'a> {
         let view = self.scene.view;
         let mesh = view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
         let material = &view.scene.materials[view.scene.meshes[mesh].material];
-        let is_glass = matches!(material.bsdf, Bsdf::Dielectric { .. });
-        is_glass || self.normal.dot(direction) * self.normal.dot(self.toward_light(x)) < 0.0
+        matches!(material.bsdf, Bsdf::Dielectric { .. }) || self.faces_light(x, direction)
+    }
+
+    /// Whether the side that is seen along `direction` faces the light.
+    pub fn faces_light(&self, x: DVec3, direction: DVec3) -> bool {
+        self.normal.dot(direction) * self.normal.dot(self.toward_light(x)) < 0.0
     }
 
     /// Where what hides the light from between two points lies.

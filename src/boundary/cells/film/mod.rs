@@ -5,4 +5,5 @@ pub mod crowds;
 pub mod drift;
 pub mod search;
 pub mod shadows;
+mod terminators;
 pub mod weights;

@@ -5,6 +5,7 @@
 //! elsewhere on the line, and its chance of being met is its length in steps, or 1.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
+use super::terminators;
 use crate::boundary::cells::delta::follow::{Followed, Rays, follow};
 use crate::boundary::cells::delta::receiver::{self, Receiver};
 use crate::boundary::cells::delta::value::brought;
@@ -21,17 +22,19 @@ use glam::{DVec3, Vec3};
 /// Of the cells both of whose ends are hidden one in this many is searched and stands for all.
 const UNLIKELY: u32 = 8;
 /// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
-const SMALLEST_CHANCE: f64 = 1e-3;
+pub const SMALLEST_CHANCE: f64 = 1e-3;
 
 /// The border of a shadow.
-struct Border {
-    boundary: Boundary,
-    shadow: Shadow,
-    axis: usize,
-    at: [f64; 2],
+pub struct Border {
+    pub boundary: Boundary,
+    pub shadow: Shadow,
+    /// Whether the edge that throws the shadow is the receiver's own.
+    pub is_own: bool,
+    pub axis: usize,
+    pub at: [f64; 2],
     /// What the light's radiance is multiplied with: +1 if it is hidden beyond, −1 if before, over
     /// the chance of finding it.
-    jump: f64,
+    pub jump: f64,
 }
 
 /// Finds the borders of all shadows that move.
@@ -39,6 +42,9 @@ pub fn find(cells: &LatticeCells, out: &mut Found) {
     let mut borders = Vec::new();
     for light in 0..cells.film.image.hidden.len() {
         of_light(cells, light, &mut borders, &mut out.counts);
+    }
+    if !cells.film.image.hidden.is_empty() {
+        terminators::find(cells, &mut borders, &mut out.counts);
     }
     for group in borders.chunks(LANES) {
         let jumps = jumps(cells, group, &mut out.counts);
@@ -162,6 +168,7 @@ impl ShadowCell<'_> {
                 light: self.light as u32,
                 receiver: end.receiver,
             },
+            is_own: false,
             axis: self.line.axis,
             at,
             jump: -along as f64 * self.weight / chance,
@@ -170,21 +177,30 @@ impl ShadowCell<'_> {
 
     /// Follows the shadow of the first point toward a point beside it.
     fn follow(&self, to: i64, limit: f64, counts: &mut Counts) -> Followed {
-        let (from, line, cells) = (self.points[0], self.line, self.cells);
-        let cell = cells.cell(line, from.min(to), counts);
-        let is_reversed = to < from;
-        let (mut arc, mut seen) = (cell.arc(), cell.triangles());
-        if is_reversed {
-            arc = arc.reversed();
-            seen.reverse();
-        }
-        let first_hit = |s: f64| cell.first_hit(if is_reversed { 1.0 - s } else { s });
-        let rays = Rays {
-            arc,
-            seen,
-            first_hit: &first_hit,
-        };
-        follow(cells.scene, self.light, &rays, limit, counts)
+        let (cells, light) = (self.cells, self.light);
+        let rays = between(cells, self.line, [self.points[0], to], counts);
+        follow(cells.scene, light, &rays, limit, counts)
+    }
+}
+
+/// The rays from one point of a line to one beside it.
+pub fn between<'a>(
+    cells: &LatticeCells<'a>,
+    line: LatticeLine,
+    [from, to]: [i64; 2],
+    counts: &mut Counts,
+) -> Rays<impl Fn(f64) -> u32 + use<'a>> {
+    let cell = cells.cell(line, from.min(to), counts);
+    let is_reversed = to < from;
+    let (mut arc, mut seen) = (cell.arc(), cell.triangles());
+    if is_reversed {
+        arc = arc.reversed();
+        seen.reverse();
+    }
+    Rays {
+        arc,
+        seen,
+        first_hit: move |s: f64| cell.first_hit(if is_reversed { 1.0 - s } else { s }),
     }
 }
 
@@ -213,19 +229,24 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
     let &Border {
         boundary,
         shadow,
+        is_own,
         axis,
         at,
         ..
     } = border;
     let camera = &cells.scene.view.camera;
     let (origin, d) = (camera.origin.as_dvec3(), cells.direction_at(at));
-    let c = receiver::normal(cells.scene, &boundary, &shadow, origin, d);
+    let c = if is_own {
+        boundary.normal(cells.scene.view.geometry, origin)
+    } else {
+        receiver::normal(cells.scene, &boundary, &shadow, origin, d)
+    };
     let gradient = camera.direction_per_pixel().map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
     let weight = jump * (velocity * cells.film.tile.step[1 - axis]);
     Some(BoundarySample {
         boundary,
-        shadow: Some(shadow),
+        shadow: (!is_own).then_some(shadow),
         lane: 0,
         at: Coordinate::Film(at),
         weight: weight.as_vec3().to_array(),

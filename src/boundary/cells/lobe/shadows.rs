@@ -210,7 +210,7 @@ impl OnLine<'_> {
             let rays = Rays {
                 arc,
                 seen,
-                first_hit: &first_hit,
+                first_hit,
             };
             let place = |s: f64| self.line.psi_of(arc.direction(s));
             match follow(self.scene, light, &rays, 1.0, counts) {
