@@ -74,7 +74,7 @@ const KNOWN: &[(&str, &[&str])] = &[
         "emitter",
         &["area", "constant", "envmap", "point", "directional"],
     ),
-    ("texture", &["bitmap", "checkerboard"]),
+    ("texture", &["bitmap", "checkerboard", "mesh_attribute"]),
     ("medium", &[]),
     ("phase", &[]),
     ("volume", &[]),
