@@ -1,5 +1,6 @@
 //! Textures from properties and texture elements, each once however many slots use it.
 
+mod attribute;
 mod bitmap;
 mod checkerboard;
 mod slots;
@@ -72,6 +73,12 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
     limits: [0.01, 100.0],
 };
 
+/// Colours that wait for the vertices that have them.
+struct Attribute {
+    scale: f32,
+    place: Place,
+}
+
 /// Textures so far.
 #[derive(Default)]
 pub(super) struct Textures {
@@ -80,6 +87,8 @@ pub(super) struct Textures {
     pub remarks: Vec<String>,
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
+    /// Those that wait for the colours of a mesh's vertices.
+    waiting: HashMap<usize, Attribute>,
 }
 
 impl Textures {
@@ -119,6 +128,11 @@ impl Textures {
         let tree = input.tree;
         let object = &tree.objects[index];
         let key = input.scene_id(index).unwrap_or(key).to_string();
+        if object.plugin == "mesh_attribute" {
+            let texture = self.attribute(tree, object, key, kind, place)?;
+            self.by_object.insert(index, texture);
+            return Ok(texture);
+        }
         let mut texture = match object.plugin.as_str() {
             "checkerboard" => checkerboard::checkerboard(tree, object, key, kind.channels)?,
             _ => bitmap::bitmap(input, object, key, kind.channels)?,
@@ -180,6 +194,7 @@ fn check(texture: &Texture, place: &Place) -> Result<(), SceneError> {
         return Ok(());
     };
     let at = match texture.layout {
+        Layout::Vertices => format!("vertex {texel} has"),
         Layout::Bitmap { width, .. } => format!(
             "column {}, row {} of the picture is",
             texel % width as usize,
