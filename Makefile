@@ -10,12 +10,13 @@ DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
 comma = ,
 
-.PHONY: help deps demo test test-long test-python bench bench-backends figures test-bare-debian
+.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
 	@echo "make test           the tests"
 	@echo "make test-long      the tests, and those that take long"
+	@echo "make test-mpi       the tests of optimize by many processes; installs Open MPI"
 	@echo "make test-python    the tests of python/, in an environment of its own (EXTRAS=torch,jax: those of PyTorch and JAX, too)"
 	@echo "make bench          speed, on this machine"
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
@@ -40,6 +41,10 @@ test: deps
 
 test-long: deps
 	cargo test --release --locked --features long-tests
+
+test-mpi:
+	@scripts/setup mpi
+	cargo test --release --locked --features mpi --test program ranks
 
 # Where Debian has no python3-venv, the message of venv says so.
 test-python: deps

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from concurrent.futures import as_completed
 from pathlib import Path
@@ -209,6 +210,24 @@ def test_the_end_of_the_block_is_the_end_of_the_worker(program: Path, tmp_path: 
             raise RuntimeError("mine")
     assert time.monotonic() - began < 20, "hours of rendering are not waited for"
     assert isinstance(job.exception(), WorkerDied)
+
+
+def test_a_worker_that_nobody_closed_ends_with_python(program: Path) -> None:
+    text = (
+        "from warpath_worker import Worker\n"
+        f"w = Worker({str(program)!r})\n"
+        f"w.submit(mode='render', scene={str(SCENE)!r}, spp=1 << 20)\n"
+        "print(w._process.pid)"
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=30)
+    assert done.returncode == 0, done.stderr
+    process = Path("/proc") / done.stdout.strip()
+    for _ in range(100):
+        # Who has ended may still be listed, without a command line, until somebody asks for it.
+        if not process.exists() or not (process / "cmdline").read_bytes():
+            return
+        time.sleep(0.1)
+    raise AssertionError("it renders on")
 
 
 def test_threads_change_no_bytes(program: Path) -> None:

@@ -9,6 +9,7 @@ import os
 import subprocess
 import tempfile
 import threading
+import weakref
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from pathlib import Path
@@ -65,6 +66,8 @@ class Worker:
             # An interrupt from the keyboard is Python's to handle, not the worker's.
             start_new_session=True,
         )
+        # At the end of Python, where nobody has closed it, nobody waits for it either.
+        weakref.finalize(self, self._process.terminate)
         assert self._process.stdin and self._process.stdout and self._process.stderr
         self._stdin = self._process.stdin
         # Lines are counted and written under the first lock. The second is never held for long, so

@@ -35,18 +35,17 @@ pub struct MessagePassing {
 impl MessagePassing {
     /// Joins the processes that a launcher has started.
     pub fn start(launch: &Launch) -> Result<Self, Failure> {
+        // Without it Open MPI ends the process, and does not say that srun has another option.
+        if launch.launcher == "srun" && std::env::var_os("PMIX_RANK").is_none() {
+            return Err(unconnected(launch));
+        }
         // Threads trace; only the one that started MPI sends.
         let started = initialize_with_threading(Threading::Funneled);
         let (universe, _) =
             started.ok_or_else(|| Failure::System("MPI has been started before".into()))?;
         let world = universe.world();
-        let found = world.size();
-        if u64::try_from(found) != Ok(launch.processes) {
-            return Err(Failure::Usage(format!(
-                "{} has started {} processes, but MPI connects {found}: each would do the whole run and write the \
-                 same files; use the mpirun of the Open MPI that warpath is built with, or srun --mpi=pmix",
-                launch.launcher, launch.processes
-            )));
+        if u64::try_from(world.size()) != Ok(launch.processes) {
+            return Err(unconnected(launch));
         }
         Ok(Self {
             world,
@@ -110,6 +109,14 @@ impl MessagePassing {
             _ => Failure::System(text),
         }
     }
+}
+
+fn unconnected(launch: &Launch) -> Failure {
+    Failure::Usage(format!(
+        "{} has started {} processes that MPI does not connect: each would do the whole run and write the same \
+         files; start them by the mpirun of the Open MPI that warpath is built with, or by srun --mpi=pmix",
+        launch.launcher, launch.processes
+    ))
 }
 
 impl Ranks for MessagePassing {

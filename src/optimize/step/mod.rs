@@ -13,4 +13,4 @@ mod unit;
 pub use evaluate::evaluate;
 pub use found::{Evaluation, Look, Sampling};
 pub use join::join;
-pub use ranks::{Alone, Ranks, outcome};
+pub use ranks::{Ranks, outcome};

@@ -239,6 +239,6 @@ mod by_mpirun {
         let directory = workplace();
         let (code, said) = told(directory.path(), "SLURM_STEP_NUM_TASKS", "2");
         assert_eq!(code, Some(2), "{said}");
-        assert!(said.contains("MPI connects 1"), "{said}");
+        assert!(said.contains("that MPI does not connect"), "{said}");
     }
 }
