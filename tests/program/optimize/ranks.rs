@@ -141,8 +141,11 @@ mod by_mpirun {
 
     /// The process of a rank that an `mpirun` has started.
     fn process_of(mpirun: u32, rank: u32) -> u32 {
-        let children = format!("/proc/{mpirun}/task/{mpirun}/children");
-        let children = std::fs::read_to_string(children).unwrap();
+        // Whichever of its threads has started them.
+        let threads = std::fs::read_dir(format!("/proc/{mpirun}/task")).unwrap();
+        let children: String = threads
+            .map(|thread| std::fs::read_to_string(thread.unwrap().path().join("children")).unwrap())
+            .collect();
         let mut numbers = children.split_whitespace().map(|n| n.parse().unwrap());
         let wanted = format!("OMPI_COMM_WORLD_RANK={rank}\0");
         let is_it = |process: &u32| {
@@ -228,7 +231,13 @@ mod by_mpirun {
         // One process alone gets it: all must end.
         signal(process_of(child.id(), 1), "TERM");
         let out = child.wait_with_output().unwrap();
-        assert_eq!(out.status.code(), Some(143), "{}", text(&out.stderr));
+        // Between two steps it says which signal it was, within one only that it was interrupted.
+        let code = out.status.code();
+        assert!(
+            matches!(code, Some(130 | 143)),
+            "{code:?} {}",
+            text(&out.stderr)
+        );
         let (code, said) = mpirun(at, 2, &["-o", "parts", "-q", "--resume"]);
         assert_eq!(code, Some(0), "{said}");
         same(&at.join("whole"), &at.join("parts"));
