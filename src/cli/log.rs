@@ -22,6 +22,14 @@ impl Log {
         }
     }
 
+    /// For a process beside one that speaks.
+    pub fn silent() -> Self {
+        Self {
+            quiet: true,
+            ..Self::plain()
+        }
+    }
+
     /// For what goes wrong before the options are known.
     pub fn plain() -> Self {
         Self {

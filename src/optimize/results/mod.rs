@@ -163,7 +163,7 @@ fn mesh(
         ));
     }
     let [ply, obj] = ["ply", "obj"].map(|kind| format!("{name}.{kind}"));
-    meshes::ply(&directory.join(&ply), mesh)?;
+    meshes::ply(&directory.join(&ply), mesh, &[])?;
     meshes::obj(&directory.join(&obj), mesh)?;
     out.files.extend([ply, obj]);
     let pictures = problem.config.output.turntable;

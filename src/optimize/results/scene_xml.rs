@@ -10,7 +10,10 @@ use super::surface_xml::Surfaces;
 use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
-use crate::scene::{BeamProfile, DeltaLight, DeltaLightKind, Filter, Lens, Normals, Scene, Sensor};
+use crate::scene::{
+    BeamProfile, DeltaLight, DeltaLightKind, Filter, Layout, Lens, Mesh, Normals, Rgb, Scene,
+    Sensor,
+};
 use glam::{Mat3, Mat4, Vec2};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -42,7 +45,7 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
     }
     for (number, mesh) in scene.meshes.iter().enumerate() {
         let name = format!("{number:03}-{}.ply", plain(&mesh.id));
-        meshes::ply(&parts.join(&name), mesh)?;
+        meshes::ply(&parts.join(&name), mesh, colours(scene, mesh))?;
         files.push(format!("scene/{name}"));
         let _ = writeln!(text, "  <shape type=\"ply\" id=\"{}\">", escaped(&mesh.id));
         let _ = writeln!(
@@ -75,6 +78,19 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
     })?;
     files.insert(0, "scene.xml".into());
     Ok(files)
+}
+
+/// The colours of a mesh's vertices, if its material asks for them.
+pub fn colours<'a>(scene: &'a Scene, mesh: &Mesh) -> &'a [Rgb] {
+    let light = mesh
+        .area_light
+        .map(|light| scene.area_lights[light].radiance);
+    let of_parts = scene.parts_of(mesh.material).into_iter();
+    let textures = of_parts.flat_map(|m| scene.materials[m].textures());
+    let found = textures
+        .chain(light)
+        .find(|&t| scene.textures[t].layout == Layout::Vertices);
+    found.map_or(&[], |t| &scene.textures[t].texels)
 }
 
 fn integrator(scene: &Scene, text: &mut String) {

@@ -186,6 +186,13 @@ impl<'a> Surfaces<'a> {
             Layout::Constant => {
                 let _ = writeln!(text, "{indent}<{}/>", value(0).replace("NAME", name));
             }
+            Layout::Vertices => {
+                let _ = writeln!(
+                    text,
+                    "{indent}<texture type=\"mesh_attribute\" name=\"{name}\"><string name=\"name\" \
+                     value=\"vertex_color\"/></texture>"
+                );
+            }
             Layout::Checkerboard { to_uv } => {
                 let colours = [0, 1].map(|number| {
                     let texel = texture.checkerboard_texel(number);
