@@ -15,6 +15,9 @@ seed = 3
 [truth]
 spp = 64
 
+[[view]]
+sensor = "cam"
+
 [render]
 spp = 8
 
