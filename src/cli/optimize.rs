@@ -114,6 +114,16 @@ fn lines(summary: &Summary) -> Vec<String> {
             error.key, error.end, error.start
         ));
     }
+    for distance in &summary.distances {
+        lines.push(format!(
+            "{}: chamfer distance {:.3e}, normals {:.1}° off; {:.3e}, {:.1}° at the start",
+            distance.mesh,
+            distance.chamfer_end,
+            distance.normal_error_end_deg,
+            distance.chamfer_start,
+            distance.normal_error_start_deg
+        ));
+    }
     for (view, psnr) in &summary.held_out {
         lines.push(format!("{view}, held out: PSNR {psnr:.2} dB"));
     }
@@ -155,6 +165,7 @@ fn report(
         "first": summary.first,
         "last": summary.last,
         "parameter_errors": summary.errors,
+        "mesh_distances": summary.distances,
         "held_out_psnr_db": summary.held_out.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "seconds": summary.statistics.seconds,
         "rays": summary.statistics.rays,

@@ -104,7 +104,6 @@ fn add(
         uvs: Vec::new(),
         material: scene.materials.len() - 1,
         area_light: None,
-        to_world: glam::DAffine3::IDENTITY,
     });
 }
 

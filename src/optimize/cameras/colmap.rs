@@ -100,7 +100,7 @@ fn picture(text: &str, lenses: &BTreeMap<String, Lens>, images: &Path) -> Result
         return Err(wrong.into());
     };
     let turn = DQuat::from_xyzw(x, y, z, w);
-    if !(turn.length() > 1e-6) || !turn.is_finite() {
+    if !turn.is_finite() || turn.length() <= 1e-6 {
         return Err("its quaternion has no length".into());
     }
     let lens = lenses

@@ -143,7 +143,8 @@ fn to_world(rows: &[Vec<f64>]) -> Result<DAffine3, String> {
         .abs()
         .max(up.dot(back).abs())
         .max(back.dot(right).abs());
-    if !(skew < 1e-3) || right.cross(up).dot(back) < 0.0 || !column(3).is_finite() {
+    if !skew.is_finite() || skew > 1e-3 || right.cross(up).dot(back) < 0.0 || !column(3).is_finite()
+    {
         return Err("transform_matrix is not a rotation and a translation".into());
     }
     let matrix = DMat3::from_cols(-right, up, -back);

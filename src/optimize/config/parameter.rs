@@ -182,10 +182,7 @@ fn remeshing(table: &Table, key: &str) -> Result<Option<Remeshing>, Failure> {
         edge: inner.number_if("edge", 0.5, "a factor from 0.1 to 4", |v| {
             (0.1..=4.0).contains(&v)
         })?,
-        carry: match inner.choice("state", &["reset", "carry"])? {
-            Some("carry") => true,
-            _ => false,
-        },
+        carry: inner.choice("state", &["reset", "carry"])? == Some("carry"),
     };
     inner.finish()?;
     Ok(Some(remeshing))

@@ -150,7 +150,13 @@ impl Problem {
                     Ok(prepared.render(&settings, progress).map_err(failed)?.image)
                 };
                 let resolution = self.config.render.resolution;
-                all.push(view::read(wanted, &self.base.scene, resolution, render)?);
+                all.push(view::read(
+                    number,
+                    wanted,
+                    &self.base.scene,
+                    resolution,
+                    render,
+                )?);
             }
         }
         for (i, view) in all.into_iter().enumerate() {

@@ -7,7 +7,6 @@
 //! A rotation vector r + dr turns by R(J dr)R(r), where J is the left Jacobian of SO(3)
 //! [Sola2018] (eq. 145).
 
-use super::variable::Variable;
 use crate::scene::parameters::{self, Parameter, Target};
 use crate::scene::{Body, Scene, SceneDifferential};
 use glam::{DMat3, DVec3};
@@ -33,16 +32,16 @@ pub fn turn(r: DVec3) -> DMat3 {
     DMat3::from_quat(glam::DQuat::from_scaled_axis(r))
 }
 
-/// The gradient of one variable at its value, from the cotangents of the present scene.
+/// The gradient of one of some parameters at its value, from the cotangents of the present scene.
 pub fn gradient(
     base: &Scene,
     now: &Scene,
-    variables: &[Variable],
+    all: &[Parameter],
     values: &[Vec<f32>],
     which: usize,
     cotangent: &SceneDifferential,
 ) -> Vec<f32> {
-    let parameter = &variables[which].parameter;
+    let parameter = &all[which];
     let plain = parameters::reduce(now, parameter, cotangent);
     let value = &values[which];
     let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
@@ -52,14 +51,14 @@ pub fn gradient(
             w.as_vec3().to_array().to_vec()
         }
         Some(Target::ShapeRotation(body)) => {
-            let about = about_pivot(base, now, variables, values, body);
+            let about = about_pivot(base, now, all, values, body);
             let force = force(now, parameter, body, cotangent);
             let torque = vector(&plain) + about.cross(force);
             let w = transposed_left_jacobian(vector(value), torque);
             w.as_vec3().to_array().to_vec()
         }
         Some(Target::ShapeScale(body)) => {
-            let about = about_pivot(base, now, variables, values, body);
+            let about = about_pivot(base, now, all, values, body);
             let force = force(now, parameter, body, cotangent);
             let virial = f64::from(plain[0]) + about.dot(force);
             vec![(virial / f64::from(value[0])) as f32]
@@ -72,20 +71,18 @@ pub fn gradient(
 fn about_pivot(
     base: &Scene,
     now: &Scene,
-    variables: &[Variable],
+    all: &[Parameter],
     values: &[Vec<f32>],
     body: Body,
 ) -> DVec3 {
-    let moved = variables
+    let is_translation = |p: &Parameter| p.target == Some(Target::ShapeTranslation(body));
+    let by = all
         .iter()
-        .position(|v| v.parameter.target == Some(Target::ShapeTranslation(body)));
-    let by = moved.map_or(DVec3::ZERO, |i| {
-        DVec3::new(
-            values[i][0].into(),
-            values[i][1].into(),
-            values[i][2].into(),
-        )
-    });
+        .position(is_translation)
+        .map_or(DVec3::ZERO, |i| {
+            let [x, y, z] = [0, 1, 2].map(|c| f64::from(values[i][c]));
+            DVec3::new(x, y, z)
+        });
     let [now, base] = [now, base].map(|scene| parameters::pivot(&scene.meshes[body.meshes()]));
     now - base - by
 }
@@ -103,6 +100,67 @@ fn force(now: &Scene, parameter: &Parameter, body: Body, cotangent: &SceneDiffer
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::load_from;
+    use crate::scene::source::Memory;
+    use glam::Vec3;
+
+    /// A cube whose bounding box turns with it, so that pivots differ.
+    const SCENE: &str = r#"<scene version="3.0.0">
+      <sensor type="perspective"><float name="fov" value="40"/></sensor>
+      <shape type="cube" id="box"><transform name="to_world">
+        <scale x="0.5" y="1" z="0.2"/><rotate x="1" y="0" z="0" angle="25"/><translate x="3" y="-1" z="2"/>
+      </transform></shape></scene>"#;
+
+    /// L is linear in the vertices, so its cotangent is known; the pose is far from none.
+    #[test]
+    fn a_pose_has_the_gradient_of_differences() {
+        let files = Memory::new().with("s.xml", SCENE);
+        let base = load_from(&files, "s.xml", &[]).unwrap();
+        let keys = ["box.scale", "box.rotation", "box.translation"];
+        let all: Vec<Parameter> = keys
+            .iter()
+            .map(|key| parameters::find(&base, key).unwrap())
+            .collect();
+        let values = vec![vec![1.3], vec![0.4, -0.7, 0.5], vec![0.3, 0.2, -0.6]];
+        let weight = |i: usize| {
+            let t = i as f32;
+            Vec3::new((1.3 * t).sin() + 0.5, (0.7 * t).cos(), (2.1 * t).sin())
+        };
+        let posed = |values: &[Vec<f32>]| {
+            let mut scene = base.clone();
+            for (parameter, values) in all.iter().zip(values) {
+                parameters::apply(&mut scene, parameter, values).unwrap();
+            }
+            scene
+        };
+        let loss = |values: &[Vec<f32>]| -> f64 {
+            let scene = posed(values);
+            let positions = scene.meshes[0].positions.iter().enumerate();
+            positions
+                .map(|(i, p)| p.as_dvec3().dot(weight(i).as_dvec3()))
+                .sum()
+        };
+        let now = posed(&values);
+        let mut cotangent = SceneDifferential::none(&now);
+        let count = now.meshes[0].positions.len();
+        cotangent.positions[0] = Some((0..count).map(weight).collect());
+        for (which, parameter) in all.iter().enumerate() {
+            let found = gradient(&base, &now, &all, &values, which, &cotangent);
+            for c in 0..parameter.len() {
+                let h = 1.0 / 64.0;
+                let at = |by: f32| {
+                    let mut values = values.clone();
+                    values[which][c] += by;
+                    loss(&values)
+                };
+                // Of the fourth order; what is left is rounding to single precision.
+                let slope =
+                    (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * f64::from(h));
+                let off = f64::from(found[c]) - slope;
+                assert!(off.abs() < 1e-3, "{} {c}: {off} of {slope}", parameter.key);
+            }
+        }
+    }
 
     #[test]
     fn the_left_jacobian_is_that_of_differences() {

@@ -83,8 +83,9 @@ pub fn wanted(config: &Config, scene: &Scene) -> Result<Vec<Wanted>, Failure> {
     settings.iter().map(one).collect()
 }
 
-/// Reads a view's pictures; `render` makes the target of one that has none.
+/// Reads the pictures of a view, which is known by its number; `render` makes the target of one that has none.
 pub fn read(
+    number: usize,
     wanted: &Wanted,
     scene: &Scene,
     resolution: Option<[u32; 2]>,
@@ -145,7 +146,7 @@ pub fn read(
         ));
     }
     Ok(View {
-        name: format!("{}-{}", wanted.sensor, sensor.id),
+        name: format!("{number}-{}", sensor.id),
         sensor: wanted.sensor,
         resolution,
         target,

@@ -63,6 +63,66 @@ const SIZE: [f64; 2] = [720.0, 320.0];
 /// Left, right, top, bottom of the axes.
 const AXES: [f64; 4] = [70.0, 700.0, 16.0, 276.0];
 
+/// From steps and losses to places.
+struct Axes {
+    last: f64,
+    /// Decades.
+    low: f64,
+    high: f64,
+}
+
+impl Axes {
+    fn new(points: &[(f64, &Record)]) -> Self {
+        let floors = points
+            .iter()
+            .filter_map(|(_, r)| r.floor.filter(|f| *f > 0.0));
+        let all = points.iter().map(|(loss, _)| *loss).chain(floors);
+        let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(a, b), v| (a.min(v), b.max(v)));
+        let low = low.log10().floor();
+        Self {
+            last: points.last().map_or(1.0, |(_, r)| r.step.max(1) as f64),
+            low,
+            high: high.log10().ceil().max(low + 1.0),
+        }
+    }
+
+    fn x(&self, step: u64) -> f64 {
+        AXES[0] + (AXES[1] - AXES[0]) * step as f64 / self.last
+    }
+
+    fn y(&self, v: f64) -> f64 {
+        let t = (v.max(1e-300).log10() - self.low) / (self.high - self.low);
+        AXES[3] - (AXES[3] - AXES[2]) * t.clamp(-0.05, 1.05)
+    }
+
+    fn at(&self, step: u64, v: f64) -> String {
+        format!("{:.1} {:.1}", self.x(step), self.y(v))
+    }
+
+    fn draw(&self, text: &mut String) {
+        for decade in self.low as i32..=self.high as i32 {
+            let at = self.y(10f64.powi(decade));
+            let _ = writeln!(
+                text,
+                "<path d=\"M{} {at:.1}H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">1e{decade}</text>",
+                AXES[0],
+                AXES[1],
+                AXES[0] - 6.0,
+                at + 4.0
+            );
+        }
+        for part in 0..=4 {
+            let step = (self.last * f64::from(part) / 4.0).round();
+            let _ = writeln!(
+                text,
+                "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{step}</text>",
+                self.x(step as u64),
+                AXES[3] + 18.0
+            );
+        }
+    }
+}
+
 /// The loss on a logarithmic axis, a band of twice its standard error around it, and what noise
 /// alone would make it.
 pub fn svg(history: &[Record]) -> String {
@@ -75,92 +135,36 @@ pub fn svg(history: &[Record]) -> String {
          role=\"img\"><title>Loss by step</title><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         SIZE[0], SIZE[1]
     );
-    let floors = points
-        .iter()
-        .filter_map(|(_, r)| r.floor.filter(|f| *f > 0.0));
-    let all = points.iter().map(|(loss, _)| *loss).chain(floors);
-    let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(a, b), v| (a.min(v), b.max(v)));
     if points.is_empty() {
         text.push_str("<text x=\"90\" y=\"150\">no step yet</text></svg>\n");
         return text;
     }
-    let (low, high) = (
-        low.log10().floor(),
-        high.log10().ceil().max(low.log10().floor() + 1.0),
-    );
-    let last = points.last().map_or(1.0, |(_, r)| r.step.max(1) as f64);
-    let x = |step: u64| AXES[0] + (AXES[1] - AXES[0]) * step as f64 / last;
-    let y = |v: f64| {
-        let t = (v.max(1e-300).log10() - low) / (high - low);
-        AXES[3] - (AXES[3] - AXES[2]) * t.clamp(-0.05, 1.05)
+    let axes = Axes::new(&points);
+    axes.draw(&mut text);
+    let bound = |sign: f64| {
+        let of = |(v, r): &(f64, &Record)| axes.at(r.step, v + sign * 2.0 * r.error.unwrap_or(0.0));
+        points.iter().map(of).collect::<Vec<String>>()
     };
-    for decade in low as i32..=high as i32 {
-        let at = y(10f64.powi(decade));
-        let _ = writeln!(
-            text,
-            "<path d=\"M{} {at:.1}H{}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">1e{decade}</text>",
-            AXES[0],
-            AXES[1],
-            AXES[0] - 6.0,
-            at + 4.0
-        );
+    let mut band = bound(1.0);
+    band.extend(bound(-1.0).into_iter().rev());
+    let floor = points
+        .iter()
+        .filter_map(|(_, r)| Some(axes.at(r.step, r.floor?)));
+    let line = points.iter().map(|(v, r)| axes.at(r.step, *v));
+    let paths = [
+        (band, "fill=\"#9ecae1\" fill-opacity=\"0.6\""),
+        (
+            floor.collect(),
+            "fill=\"none\" stroke=\"#888\" stroke-dasharray=\"4 3\"",
+        ),
+        (
+            line.collect(),
+            "fill=\"none\" stroke=\"#08519c\" stroke-width=\"1.5\"",
+        ),
+    ];
+    for (points, style) in paths.iter().filter(|(points, _)| !points.is_empty()) {
+        let _ = writeln!(text, "<path d=\"M{}\" {style}/>", points.join("L"));
     }
-    for part in 0..=4 {
-        let step = (last * f64::from(part) / 4.0).round();
-        let _ = writeln!(
-            text,
-            "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{step}</text>",
-            x(step as u64),
-            AXES[3] + 18.0
-        );
-    }
-    let upper: Vec<String> = points
-        .iter()
-        .map(|(v, r)| {
-            format!(
-                "{:.1} {:.1}",
-                x(r.step),
-                y(v + 2.0 * r.error.unwrap_or(0.0))
-            )
-        })
-        .collect();
-    let lower: Vec<String> = points
-        .iter()
-        .rev()
-        .map(|(v, r)| {
-            format!(
-                "{:.1} {:.1}",
-                x(r.step),
-                y(v - 2.0 * r.error.unwrap_or(0.0))
-            )
-        })
-        .collect();
-    let line: Vec<String> = points
-        .iter()
-        .map(|(v, r)| format!("{:.1} {:.1}", x(r.step), y(*v)))
-        .collect();
-    let floor: Vec<String> = points
-        .iter()
-        .filter_map(|(_, r)| Some(format!("{:.1} {:.1}", x(r.step), y(r.floor?))))
-        .collect();
-    let _ = writeln!(
-        text,
-        "<path d=\"M{}L{}Z\" fill=\"#9ecae1\" fill-opacity=\"0.6\"/>",
-        upper.join("L"),
-        lower.join("L")
-    );
-    if !floor.is_empty() {
-        let _ = writeln!(
-            text,
-            "<path d=\"M{}\" fill=\"none\" stroke=\"#888\" stroke-dasharray=\"4 3\"/>",
-            floor.join("L")
-        );
-    }
-    let _ = writeln!(
-        text,
-        "<path d=\"M{}\" fill=\"none\" stroke=\"#08519c\" stroke-width=\"1.5\"/>",
-        line.join("L")
-    );
     let _ = writeln!(
         text,
         "<text x=\"{}\" y=\"{}\">step; line: loss, band: ± two standard errors, dashed: what noise alone makes</text></svg>",

@@ -2,6 +2,7 @@
 
 pub mod curve;
 pub mod errors;
+pub mod geometry;
 pub mod live;
 pub mod meshes;
 pub mod page;
@@ -21,6 +22,7 @@ use crate::output::{atomic, exr, png};
 use crate::scene::parameters::{self, Target};
 use crate::scene::{Body, Scene};
 use errors::ParameterError;
+use geometry::Distance;
 use page::Figure;
 use std::io::Write;
 use std::path::Path;
@@ -32,6 +34,7 @@ use text::plain;
 pub struct Written {
     pub files: Vec<String>,
     pub errors: Vec<ParameterError>,
+    pub distances: Vec<Distance>,
     pub warnings: Vec<String>,
     /// Name and PSNR in decibels.
     pub held_out: Vec<(String, f64)>,
@@ -166,6 +169,18 @@ fn mesh(
     meshes::ply(&directory.join(&ply), mesh, &[])?;
     meshes::obj(&directory.join(&obj), mesh)?;
     out.files.extend([ply, obj]);
+    let same = |scene: &Scene| {
+        scene
+            .meshes
+            .iter()
+            .find(|other| other.id == mesh.id)
+            .cloned()
+    };
+    if let (Some(start), Some(truth)) =
+        (same(&problem.start), problem.truth.as_ref().and_then(same))
+    {
+        out.distances.push(geometry::distance(&start, mesh, &truth));
+    }
     let pictures = problem.config.output.turntable;
     if pictures > 0 {
         let png = turntable::turntable(problem, mesh, pictures, progress)?;

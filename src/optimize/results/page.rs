@@ -27,11 +27,11 @@ p.state{color:var(--dim);margin:.2rem 0 1rem}
 .numbers{display:grid;grid-template-columns:repeat(auto-fit,minmax(9rem,1fr));gap:.6rem;margin:0}
 .numbers div{background:var(--card);border:1px solid var(--line);border-radius:.4rem;padding:.5rem .7rem}
 .numbers dt{color:var(--dim);font-size:.85rem}.numbers dd{margin:0;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
-svg,img{display:block;width:100%;height:auto;border:1px solid var(--line);border-radius:.3rem}
+svg{min-width:30rem}svg,img{display:block;width:100%;height:auto;border:1px solid var(--line);border-radius:.3rem}
 img{image-rendering:pixelated;background:#fff}
 figure{margin:.8rem 0}figcaption{color:var(--dim);font-size:.9rem}
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{text-align:left;padding:.25rem .8rem .25rem 0;border-bottom:1px solid var(--line)}
+th,td{text-align:left;white-space:nowrap;padding:.25rem .8rem .25rem 0;border-bottom:1px solid var(--line)}
 progress{width:100%}";
 
 /// The page.
@@ -74,8 +74,9 @@ pub fn html(
         config.steps, state.step, state.step, config.steps
     );
     numbers(problem, state, &mut text);
-    text.push_str("<h2>Loss</h2>");
+    text.push_str("<h2>Loss</h2><div class=\"scroll\">");
     text.push_str(&curve::svg(&state.history));
+    text.push_str("</div>");
     table(problem, state, errors, &mut text);
     if !figures.is_empty() {
         text.push_str("<h2>Pictures</h2>");

@@ -110,8 +110,12 @@ pub fn read(directory: &Path, problem: &Problem) -> Result<State, Failure> {
     decode(&bytes, problem).map_err(|what| Failure::Input(format!("{}: {what}", path.display())))
 }
 
-fn decode(bytes: &[u8], problem: &Problem) -> Result<State, String> {
-    let broken = || "not a whole checkpoint; begin anew without --resume".to_string();
+fn broken() -> String {
+    "not a whole checkpoint; begin anew without --resume".to_string()
+}
+
+/// The header, and the bytes of the numbers, of a file that is whole and of this run.
+fn header<'a>(bytes: &'a [u8], problem: &Problem) -> Result<(Header, &'a [u8]), String> {
     let (body, hash) = bytes
         .split_at_checked(bytes.len().saturating_sub(HASH_BYTES))
         .ok_or_else(broken)?;
@@ -145,7 +149,12 @@ fn decode(bytes: &[u8], problem: &Problem) -> Result<State, String> {
             ));
         }
     }
-    let (chunks, rest) = body[line + 1..].as_chunks::<8>();
+    Ok((header, &body[line + 1..]))
+}
+
+fn decode(bytes: &[u8], problem: &Problem) -> Result<State, String> {
+    let (header, numbers) = header(bytes, problem)?;
+    let (chunks, rest) = numbers.as_chunks::<8>();
     let mut numbers = chunks.iter().map(|b| f64::from_le_bytes(*b));
     let mut take = |count: usize| -> Result<Vec<f64>, String> {
         let taken: Vec<f64> = numbers.by_ref().take(count).collect();

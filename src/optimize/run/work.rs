@@ -10,10 +10,11 @@ use crate::optimize::config::Config;
 use crate::optimize::problem::{Machine, Problem};
 use crate::optimize::results;
 use crate::optimize::results::errors::ParameterError;
+use crate::optimize::results::geometry::Distance;
 use crate::optimize::step::{Ranks, outcome};
 use crate::output::atomic;
 use crate::trace::Backend;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// How a run is run.
@@ -48,6 +49,8 @@ pub struct Summary {
     /// Steps that were refused.
     pub refused: u64,
     pub errors: Vec<ParameterError>,
+    /// Of meshes whose truth is known.
+    pub distances: Vec<Distance>,
     pub statistics: Statistics,
     /// Of the loop alone.
     pub loop_seconds: f64,
@@ -101,6 +104,9 @@ fn whole(
     for warning in &problem.warnings {
         watch.warn(warning);
     }
+    if ranks.writes() {
+        sweep(&options.directory);
+    }
     watch.begin(state.step, problem.config.steps);
     let (begun, first_step) = (Instant::now(), state.step);
     let mut statistics = Statistics::default();
@@ -135,6 +141,7 @@ fn whole(
         last: state.history.last().cloned(),
         refused: state.history.iter().filter(|r| r.refused).count() as u64,
         errors: written.errors,
+        distances: written.distances,
         statistics,
         loop_seconds,
         own_steps: state.step - first_step,
@@ -189,6 +196,24 @@ fn check_folder(options: &Options) -> Result<(), Failure> {
             path.display()
         ))),
         _ => Ok(()),
+    }
+}
+
+/// Takes away what a run that was killed had not finished writing.
+fn sweep(directory: &Path) {
+    for folder in [directory.to_path_buf(), directory.join("scene")] {
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            continue;
+        };
+        for entry in entries.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let process = name.strip_suffix(".tmp").and_then(|n| n.rsplit_once('.'));
+            let is_number = |n: &str| n.bytes().all(|b| b.is_ascii_digit());
+            if name.starts_with('.') && process.is_some_and(|(_, n)| is_number(n)) {
+                // What cannot be removed is in nobody's way.
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
     }
 }
 

@@ -89,11 +89,8 @@ impl Units<'_> {
         let settings = self.settings(look, share, self.sampling.spp, seeds::DERIVATIVE);
         let variables = &self.problem.variables;
         let counts = |p: &Parameter| is_seen(p, settings.sensor, look.silhouette);
-        let wanted: Vec<Parameter> = variables
-            .iter()
-            .map(|v| v.parameter.clone())
-            .filter(counts)
-            .collect();
+        let every: Vec<Parameter> = variables.iter().map(|v| v.parameter.clone()).collect();
+        let wanted: Vec<Parameter> = every.iter().filter(|p| counts(p)).cloned().collect();
         let numbers: usize = variables.iter().map(|v| v.parameter.len()).sum();
         let group_number = match settings.groups {
             Some(Groups { count, only: None }) => count as usize,
@@ -119,7 +116,7 @@ impl Units<'_> {
                     true => all.extend(pose::gradient(
                         base,
                         prepared.scene,
-                        variables,
+                        &every,
                         self.values,
                         which,
                         group,

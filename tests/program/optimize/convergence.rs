@@ -56,16 +56,8 @@ fn colours_by_every_map() {
     }
 }
 
-/// The pose's value is a rotation vector and a factor about the pivot of the first mesh: all parts
-/// together arrive.
 #[test]
-fn a_whole_pose() {
-    let parameters = "[parameters.\"card.translation\"]\nstart = [0.06, -0.05, 0]\n\
-                      [parameters.\"card.rotation\"]\nstart = [0, 0, 0.3]\n\
-                      [parameters.\"card.scale\"]\nstart = 1.2\n";
-    let found = run(parameters, "steps = 120");
-    assert!(
-        found.iter().all(|(start, end)| *end < 0.2 * start),
-        "{found:?}"
-    );
+fn a_size() {
+    let found = run("[parameters.\"card.scale\"]\nstart = 1.3\n", "steps = 100");
+    assert!(found[0].1 < 0.1 * found[0].0, "{found:?}");
 }

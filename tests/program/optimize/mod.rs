@@ -16,6 +16,9 @@ seed = 3
 [truth]
 spp = 64
 
+[[view]]
+sensor = "cam"
+
 [render]
 spp = 8
 
