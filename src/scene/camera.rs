@@ -151,7 +151,7 @@ pub(super) fn overview(meshes: &[Mesh]) -> Sensor {
     let x_fov_rad = 45f32.to_radians();
     let size = (high - low).max_element().max(1e-3);
     // The film is wider than high.
-    let distance = size * 4.0 / 3.0 * 0.5 / (0.5 * x_fov_rad).tan();
+    let distance = 1.05 * size * 4.0 / 3.0 * 0.5 / (0.5 * x_fov_rad).tan();
     let middle = 0.5 * (low + high);
     let from = Vec3::new(middle.x, middle.y, low.z - distance);
     Sensor {

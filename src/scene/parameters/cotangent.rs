@@ -77,7 +77,7 @@ pub fn reduce(scene: &Scene, parameter: &Parameter, cotangent: &SceneDifferentia
             None => vec![0.0; parameter.len()],
         },
         Target::ShapeToWorld(body) => {
-            let mut sum = MatrixBar::default();
+            let mut sum = MatrixBar::zero();
             for m in body.meshes() {
                 let present = scene.meshes[m].to_world;
                 for (p, bar) in each_vertex(scene, Body::of(m), cotangent) {

@@ -36,13 +36,19 @@ pub(super) fn normal_change(gradient: DMat3, n: DVec3) -> DVec3 {
 }
 
 /// The cotangent of the 16 numbers, summed over points and normals with theirs.
-#[derive(Default)]
 pub(super) struct MatrixBar {
     linear: DMat3,
     translation: DVec3,
 }
 
 impl MatrixBar {
+    pub fn zero() -> Self {
+        Self {
+            linear: DMat3::ZERO,
+            translation: DVec3::ZERO,
+        }
+    }
+
     /// Of a point in the world.
     pub fn add_point(&mut self, present: DAffine3, x: DVec3, bar: DVec3) {
         let own = present.inverse().transform_point3(x);

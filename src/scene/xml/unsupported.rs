@@ -155,7 +155,7 @@ const OTHERS: &[(&str, &[&str], &str)] = &[
 const KINDS: &[(&str, &str)] = &[
     (
         "medium",
-        "fog, smoke and what scatters below surfaces are out of scope; take it out, and what holds it is a surface",
+        "volumes such as fog and smoke are out of scope; take it out, and what holds it is a surface",
     ),
     (
         "phase",

@@ -163,7 +163,7 @@ fn all_that_is_wrong_is_said_at_once() {
     };
     let several = message(SEVERAL);
     assert_eq!(several.lines().count(), 2, "{several}");
-    assert!(several.contains("s.xml:4:22") && several.contains("s.xml:5:20"));
+    assert!(several.contains("s.xml:4:22") && several.contains("s.xml:5:19"));
     let unsupported = message(UNSUPPORTED);
     assert_eq!(unsupported.lines().count(), 3, "{unsupported}");
     for part in [

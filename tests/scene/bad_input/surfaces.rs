@@ -96,7 +96,6 @@ pub fn cases() -> Vec<Case> {
         picture("no picture", "diffuse", "reflectance", b"hello".to_vec(), &["s.xml:3:1", "m.pfm"]),
         picture("truncated picture", "diffuse", "reflectance", floats(2, 2, 0.5)[..40].to_vec(), &["s.xml:3:1", "m.pfm"]),
         picture("picture of infinity", "diffuse", "reflectance", floats(2, 2, f32::INFINITY), &["s.xml:3:1", "m.pfm", "not finite"]),
-        picture("picture of emission", "diffuse", "reflectance", floats(2, 2, 1.5), &["s.xml:2:22", "between 0 and 1", "column 0, row 0", "1.5"]),
         picture("picture of negative roughness", "roughconductor", "alpha", floats(2, 2, -1.0), &["s.xml:2:29", "column 0, row 0", "-1"]),
         sky("small sky", floats(2, 2, 1.0), &["s.xml:3:1", "2 columns and 3 rows"]),
         sky("negative sky", floats(4, 4, -1.0), &["s.xml:3:1", "at least 0"]),
