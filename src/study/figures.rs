@@ -34,7 +34,7 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
     let squares = deviations.iter().map(|x| x * x).collect();
     let worst = of_repeat.into_iter().fold(0.0, f64::max) / scatter;
     let (bias_squared, bias_squared_se) = bias_squared(&values, &reference.runs);
-    let size = reference.rms.map(|_| size_bias(&values, &reference.runs));
+    let size = reference.rms.map(|rms| size_bias(&values, reference, rms));
     let mut rejected = BTreeMap::new();
     for (cause, count) in runs.iter().flat_map(|run| &run.rejected) {
         *rejected.entry(cause.to_string()).or_default() += count;
@@ -84,10 +84,13 @@ fn bias_squared(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> (f64, f64) {
     (each * sum, each * f64::sqrt(squares))
 }
 
-fn size_bias(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> (f64, f64) {
-    let runs = ours.len().min(theirs.len());
-    let bias = Agreement::new(&ours[..runs], &theirs[..runs]).bias;
-    (bias.value, bias.error)
+/// Of the size along the reference, and its standard error. What [`Agreement`] projects on has
+/// noise in its square, which is taken out.
+fn size_bias(ours: &[Vec<f64>], reference: &Reference, rms: f64) -> (f64, f64) {
+    let runs = ours.len().min(reference.runs.len());
+    let bias = Agreement::new(&ours[..runs], &reference.runs[..runs]).bias;
+    let noise = 1.0 + (reference.noise() / rms).powi(2);
+    (bias.value * noise, bias.error * noise)
 }
 
 /// The share of numbers whose interval holds the reference, among those where there is anything.
