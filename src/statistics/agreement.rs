@@ -25,13 +25,6 @@ impl Agreement {
     /// distributed, and pixels may depend on each other. The weights are w_i = 1/Σ_q (D_qi² +
     /// rounding²).
     pub fn new(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> Self {
-        Self::damped(ours, theirs, 0.0)
-    }
-
-    /// The same with so many times the mean over pixels of Σ_q D_qi² in every weight's denominator.
-    /// Signs are not random where one side finds rarely what the other always sees a little of:
-    /// runs in which it was not found are all on one side, and look certain.
-    pub fn damped(ours: &[Vec<f64>], theirs: &[Vec<f64>], damping: f64) -> Self {
         let (runs, pixels) = (ours.len(), ours[0].len());
         assert_eq!(runs, theirs.len());
         let total: Vec<f64> = (0..pixels)
@@ -50,9 +43,7 @@ impl Agreement {
                 .map(|d| d[i] * d[i] + rounding)
                 .sum::<f64>()
         };
-        let squares: Vec<f64> = (0..pixels).map(square_of).collect();
-        let floor = damping * squares.iter().sum::<f64>() / pixels as f64;
-        let weights: Vec<f64> = squares.iter().map(|s| 1.0 / (s + floor)).collect();
+        let weights: Vec<f64> = (0..pixels).map(|i| 1.0 / square_of(i)).collect();
         let gram = |r: usize, s: usize| -> f64 {
             let (a, b) = (&differences[r], &differences[s]);
             (0..pixels).map(|i| weights[i] * a[i] * b[i]).sum()
