@@ -45,7 +45,7 @@ pub fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         about: "Made by make_failure_scenes, with the word large.",
         spp: "[64]",
         repeats: 24,
-        reference_spp: 128,
+        reference_spp: 256,
         resolution: "16x16",
     };
     std::fs::write(folder.join("study.toml"), study.toml(&[grass, wood]))?;

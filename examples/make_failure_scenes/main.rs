@@ -58,7 +58,7 @@ fn small(folder: &Path) -> Result<(), Box<dyn Error>> {
                 docs/stability.md` wrote this page; nothing here is typed by hand.",
         spp: "[64]",
         repeats: 24,
-        reference_spp: 128,
+        reference_spp: 256,
         resolution: "16x16",
     };
     for case in &cases {

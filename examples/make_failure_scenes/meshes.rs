@@ -108,7 +108,7 @@ pub fn blades(count: u64) -> Mesh {
     let width = 1.2 / (count as f64).sqrt();
     for i in 0..count {
         let [x, y] = [0, 1].map(|axis| between(-1.0, 1.0, i, axis));
-        let (sin, cos) = between(0.0, 3.14, i, 2).sin_cos();
+        let (sin, cos) = between(0.0, std::f64::consts::PI, i, 2).sin_cos();
         let [dx, dy] = [width * cos, width * sin];
         let at = mesh.points.len();
         let lean = [3, 4].map(|axis| between(-0.15, 0.15, i, axis));

@@ -4,6 +4,7 @@ use super::cell::Figures;
 use super::measure::Run;
 use super::reference::{Reference, between};
 use crate::statistics::agreement::Agreement;
+use crate::statistics::bias::Bias;
 use crate::statistics::concentration::{kurtosis, share_of_largest};
 use crate::statistics::sigmas;
 use std::collections::BTreeMap;
@@ -33,8 +34,8 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
     let magnitudes = values.iter().flatten().map(|x| x.abs()).collect();
     let squares = deviations.iter().map(|x| x * x).collect();
     let worst = of_repeat.into_iter().fold(0.0, f64::max) / scatter;
-    let (bias_squared, bias_squared_se) = bias_squared(&values, &reference.runs);
-    let size = reference.rms.map(|_| size_bias(&values, &reference.runs));
+    let (bias_squared, bias_squared_se) = Bias::new(&values, &reference.runs).mean_square();
+    let size = reference.rms.map(|rms| size_bias(&values, reference, rms));
     let mut rejected = BTreeMap::new();
     for (cause, count) in runs.iter().flat_map(|run| &run.rejected) {
         *rejected.entry(cause.to_string()).or_default() += count;
@@ -64,30 +65,13 @@ fn known(number: f64) -> Option<f64> {
     number.is_finite().then_some(number)
 }
 
-/// Mean square of the bias and its standard error if there is none: the products of the
-/// differences of different runs, which share no noise (see [`Agreement`]).
-fn bias_squared(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> (f64, f64) {
-    let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-        a.iter().zip(b).map(|(a, b)| a - b).collect()
-    };
-    let differences: Vec<Vec<f64>> = ours.iter().zip(theirs).map(difference).collect();
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for (r, a) in differences.iter().enumerate() {
-        for b in &differences[..r] {
-            let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-            sum += product;
-            squares += product * product;
-        }
-    }
-    let runs = differences.len() as f64;
-    let each = 2.0 / (runs * (runs - 1.0) * differences[0].len() as f64);
-    (each * sum, each * f64::sqrt(squares))
-}
-
-fn size_bias(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> (f64, f64) {
-    let runs = ours.len().min(theirs.len());
-    let bias = Agreement::new(&ours[..runs], &theirs[..runs]).bias;
-    (bias.value, bias.error)
+/// Of the size along the reference, and its standard error. What [`Agreement`] projects on has
+/// noise in its square, which is taken out.
+fn size_bias(ours: &[Vec<f64>], reference: &Reference, rms: f64) -> (f64, f64) {
+    let runs = ours.len().min(reference.runs.len());
+    let bias = Agreement::new(&ours[..runs], &reference.runs[..runs]).bias;
+    let noise = 1.0 + (reference.noise() / rms).powi(2);
+    (bias.value * noise, bias.error * noise)
 }
 
 /// The share of numbers whose interval holds the reference, among those where there is anything.

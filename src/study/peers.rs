@@ -33,7 +33,8 @@ pub fn read(plan: &PeersPlan) -> Result<Vec<Peer>, Failure> {
             file.display()
         ))
     };
-    let all: Vec<serde_json::Value> = serde_json::from_slice(&bytes).map_err(wrong)?;
+    let text = without_nan(&String::from_utf8_lossy(&bytes));
+    let all: Vec<serde_json::Value> = serde_json::from_str(&text).map_err(wrong)?;
     let is_point = |value: &serde_json::Value| {
         ["cpu", "rel_rmse"]
             .iter()
@@ -43,6 +44,28 @@ pub fn read(plan: &PeersPlan) -> Result<Vec<Peer>, Failure> {
     points
         .map(|value| serde_json::from_value(value).map_err(wrong))
         .collect()
+}
+
+/// Python writes numbers that are none as `NaN`, which is no JSON; outside of texts `null` takes its
+/// place.
+fn without_nan(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (i, part) in text.split('"').enumerate() {
+        if i > 0 {
+            out.push('"');
+        }
+        // A quote within a text, behind a backslash, would turn this round; names hold none.
+        match i % 2 {
+            0 => {
+                out += &part
+                    .replace("-Infinity", "null")
+                    .replace("Infinity", "null")
+                    .replace("NaN", "null")
+            }
+            _ => out += part,
+        }
+    }
+    out
 }
 
 /// Those of a direction's scene with its filter.

@@ -52,9 +52,10 @@ pub fn svg(row: &Row, peers: &[&Peer], peers_label: &str) -> String {
         svg.text([right - 4.0, level - 4.0], Anchor::End, 10.0, GREY, what);
     }
     draw_front(&mut svg, &curves, &place);
-    for curve in &others {
-        for point in &curve.points {
-            svg.diamond(place(point), "#666");
+    for (at, curve) in others.iter().enumerate() {
+        for [x, y] in curve.points.iter().map(place) {
+            svg.diamond([x, y], "#666");
+            svg.text([x + 6.0, y + 4.0], Anchor::Start, 10.0, "#666", &letter(at));
         }
     }
     for (at, curve) in curves.iter().enumerate() {
@@ -158,6 +159,11 @@ fn frame(svg: &mut Svg, x: &LogAxis, y: &LogAxis, is_relative: bool) {
     svg.text_upwards([16.0, middle[1]], 12.0, error);
 }
 
+/// Tells other programs' diamonds apart.
+fn letter(at: usize) -> String {
+    char::from(b'a' + (at % 26) as u8).to_string()
+}
+
 /// The points that none beats both in time and in error.
 fn draw_front(svg: &mut Svg, curves: &[Curve], place: &dyn Fn(&Point) -> [f64; 2]) {
     let points: Vec<&Point> = curves.iter().flat_map(|curve| &curve.points).collect();
@@ -199,8 +205,9 @@ fn legend(svg: &mut Svg, curves: &[Curve], others: &[Curve], peers_label: &str) 
     entry(svg, "what nothing here beats", &|svg, at| {
         svg.dot(at, 6.0, "#ffd54d", true)
     });
-    for curve in others {
-        entry(svg, &curve.name, &|svg, at| svg.diamond(at, "#666"));
+    for (at, curve) in others.iter().enumerate() {
+        let text = format!("{}  {}", letter(at), curve.name);
+        entry(svg, &text, &|svg, at| svg.diamond(at, "#666"));
     }
     if !others.is_empty() {
         entry(svg, &format!("diamonds: {peers_label}"), &|_, _| {});

@@ -5,6 +5,7 @@
 //! noise both are used.
 
 use crate::statistics::agreement::Agreement;
+use crate::statistics::bias::Bias;
 use crate::statistics::sigmas;
 use serde::{Deserialize, Serialize};
 
@@ -71,11 +72,12 @@ pub fn between(ours: &[Vec<f64>], theirs: &[Vec<f64>], rounding: f64) -> f64 {
         let of = |run: &Vec<f64>| compared.iter().map(|i| run[*i]).collect();
         all[..runs].iter().map(of).collect()
     };
-    let found = Agreement::new(&picked(ours), &picked(theirs));
-    let chi = sigmas::of_chi_squared(found.chi_squared.value, found.chi_squared.error);
-    let size = sigmas::of_student(found.bias.z(0.0), runs as f64 - 1.0).abs();
+    let (ours, theirs) = (picked(ours), picked(theirs));
+    let image = Bias::new(&ours, &theirs).sigmas();
+    let size = Agreement::new(&ours, &theirs).bias.z(0.0);
+    let size = sigmas::of_student(size, runs as f64 - 1.0).abs();
     // A size without a scatter is no number.
-    [chi, size]
+    [image, size]
         .into_iter()
         .filter(|s| s.is_finite())
         .fold(0.0, f64::max)

@@ -29,7 +29,7 @@ figure{margin:0}figure img{width:100%;max-width:700px;height:auto;display:block}
 figcaption{font-size:.85rem;color:#555}\
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;margin:.6em 0}\
 td,th{padding:3px 10px 3px 0;text-align:left;vertical-align:top;border-bottom:1px solid #eee}\
-td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
+td:last-child{min-width:17rem}td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
 .right{color:#00664a}.biased,.unstable{color:#b3261e;font-weight:600}.refused,.unknown{color:#6b5900}\
 nav{columns:14em;font-size:.9rem}nav a{display:block;overflow-wrap:anywhere}";
 

@@ -143,7 +143,7 @@ fn other_programs_stand_in_the_charts_with_where_they_ran() {
     let at = directory.path();
     let peers = r#"[{"scene":"card","integrator":"prb & co","spp":16,"rfilter":"box","cpu":0.5,"rel_rmse":0.3},
         {"scene":"card","integrator":"tented","spp":16,"rfilter":"tent","cpu":0.5,"rel_rmse":0.3},
-        {"scene":"card","integrator":"untimed","spp":16}, {"scene":"other","integrator":"else","spp":1,"cpu":1,"rel_rmse":1}]"#;
+        {"scene":"card","integrator":"untimed","spp":16,"rel_rmse":NaN}, {"scene":"other","integrator":"else","spp":1,"cpu":1,"rel_rmse":1}]"#;
     std::fs::write(at.join("p.json"), peers).unwrap();
     let few = "repeats = 2\nspp = [4]\npeers = { file = \"p.json\", label = \"Other 1.0, on another machine\" }\n";
     let config = super::CONFIG.replace("spp = [4, 16]\nrepeats = 12\n", few);
