@@ -291,19 +291,24 @@ impl<'a> Loader<'a> {
                 key,
             });
         }
-        let coordinates = if textures.iter().any(|&t| self.textures.list[t].varies()) {
+        let coordinates = if textures
+            .iter()
+            .any(|&t| self.textures.list[t].varies_by_uv())
+        {
             shape::Coordinates::Needed
         } else if self.materials.has_grain(material) {
             shape::Coordinates::Welcome
         } else {
             shape::Coordinates::Idle
         };
-        let (mut mesh, mut remarks) =
+        let (mut mesh, colours, mut remarks) =
             shape::mesh(&mut self.input, object, coordinates, &mut self.rounds)?;
         self.scene.warnings.append(&mut remarks);
         if mesh.triangles.is_empty() {
             return Ok(None);
         }
+        self.textures
+            .bring(&textures, (&id, &object.place), colours.as_deref())?;
         mesh.id = id;
         mesh.material = material;
         mesh.area_light = light.is_some().then_some(self.scene.area_lights.len());

@@ -52,6 +52,7 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
         ("rfilter", "gaussian") => &["stddev"],
         ("shape", plugin) => properties_of_shape(plugin),
         ("bsdf", plugin) => properties_of_bsdf(plugin),
+        ("texture", "mesh_attribute") => &["name", "scale"],
         ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
         ("texture", _) => &["color0", "color1", "to_uv"],
         ("emitter", "envmap") => &["filename", "scale", "to_world"],

@@ -19,7 +19,9 @@ impl Pattern {
         textures.sort_unstable();
         textures.dedup();
         let layouts = textures.iter().map(|&t| scene.textures[t].layout);
-        let pictures: Vec<Layout> = layouts.filter(|l| *l != Layout::Constant).collect();
+        let pictures: Vec<Layout> = layouts
+            .filter(|l| !matches!(l, Layout::Constant | Layout::Vertices))
+            .collect();
         let mut rulings: Vec<DVec3> = pictures.iter().flat_map(rulings).collect();
         for material in scene.parts_of(mesh.material) {
             if let Some(Relief {

@@ -123,7 +123,7 @@ fn what_brushed_things_are_made_of() {
         .constant_environment(SKY)
         .depth(5)
         .brushed_glass("block", [0.2, 0.4]);
-    made_of(&glass, 64, "block.bsdf.alpha_u.value", &[1.0], LONG_STEP);
+    made_of(&glass, 192, "block.bsdf.alpha_u.value", &[1.0], LONG_STEP);
 }
 
 #[test]

@@ -199,6 +199,9 @@ fn wide_lobes_tell_their_density() {
 fn brushed(i: DVec3, h: DVec3, [along, across]: [f64; 2]) -> f64 {
     let stretched = (h.x / along).powi(2) + (h.y / across).powi(2) + h.z * h.z;
     let facets = 1.0 / (std::f64::consts::PI * along * across * stretched * stretched);
+    if h.z <= 0.0 {
+        return 0.0;
+    }
     let slope2 = ((along * i.x).powi(2) + (across * i.y).powi(2)) / (i.z * i.z);
     let shown = 2.0 / (1.0 + (1.0 + slope2).sqrt());
     facets * shown * i.dot(h).max(0.0) / i.z

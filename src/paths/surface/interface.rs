@@ -196,6 +196,21 @@ pub fn texture_at(
     if texture.layout == Layout::Constant {
         return (lookup(texture, Vec2::ZERO), [Vec3::ZERO; 2]);
     }
+    if texture.layout == Layout::Vertices {
+        let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
+        let first = geometry.first_vertex[mesh];
+        let [a, b, c] = geometry.triangles[triangle as usize].map(|v| v - first);
+        let [p, q, r] = [a, b, c].map(|t| Vec3::from(texture.texels[t as usize]));
+        let found = Lookup {
+            value: p + (q - p) * b1 + (r - p) * b2,
+            texels: [a, b, c, a],
+            weights: [1.0 - b1 - b2, b1, b2, 0.0],
+            by_uv: [Vec3::ZERO; 2],
+            by_place: [Vec3::ZERO; 2],
+            uv: Vec2::ZERO,
+        };
+        return (found, [q - p, r - p]);
+    }
     let [p, q, r] = geometry.triangles[triangle as usize].map(|v| geometry.uvs[v as usize]);
     let (along_1, along_2) = (q - p, r - p);
     let found = lookup(texture, p + along_1 * b1 + along_2 * b2);

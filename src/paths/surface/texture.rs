@@ -55,7 +55,8 @@ impl Lookup {
 /// The texture at texture coordinates `uv`; constants have the same value everywhere.
 pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
     match texture.layout {
-        Layout::Constant => Lookup::of_one(texture, 0),
+        // Those of vertices are looked up on their triangles.
+        Layout::Constant | Layout::Vertices => Lookup::of_one(texture, 0),
         Layout::Checkerboard { to_uv } => {
             let at = to_uv.transform_point2(uv);
             let is_late = |x: f32| x - x.floor() > 0.5;

@@ -58,6 +58,7 @@ impl Materials {
         let nested_key = format!("{key}{level}.nested_bsdf");
         let nested = self.nested(input, textures, child.object, &nested_key, two_sided)?;
         let mut material = self.list[nested].clone();
+        material.key = key.to_string();
         material.relief = Some(Relief {
             is_mirrored: two_sided,
             ..relief

@@ -115,6 +115,10 @@ impl<'s> Slots<'s> {
                 }
                 out.push(entry);
             }
+            Layout::Vertices => {
+                let shape = [texture.texels.len(), channels];
+                out.push(self.entry(t, "", &shape, Target::Texels(t)));
+            }
             Layout::Checkerboard { to_uv } => {
                 for number in 0..2 {
                     let texel = texture.checkerboard_texel(number);

@@ -1,5 +1,6 @@
 //! Textures from properties and texture elements, each once however many slots use it.
 
+mod attribute;
 mod bitmap;
 mod checkerboard;
 mod slots;
@@ -80,6 +81,8 @@ pub(super) struct Textures {
     pub remarks: Vec<String>,
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
+    /// Those that wait for the colours of a mesh's vertices.
+    waiting: HashMap<usize, attribute::Attribute>,
 }
 
 impl Textures {
@@ -119,6 +122,11 @@ impl Textures {
         let tree = input.tree;
         let object = &tree.objects[index];
         let key = input.scene_id(index).unwrap_or(key).to_string();
+        if object.plugin == "mesh_attribute" {
+            let texture = self.attribute(tree, object, key, kind, place)?;
+            self.by_object.insert(index, texture);
+            return Ok(texture);
+        }
         let mut texture = match object.plugin.as_str() {
             "checkerboard" => checkerboard::checkerboard(tree, object, key, kind.channels)?,
             _ => bitmap::bitmap(input, object, key, kind.channels)?,
@@ -180,6 +188,7 @@ fn check(texture: &Texture, place: &Place) -> Result<(), SceneError> {
         return Ok(());
     };
     let at = match texture.layout {
+        Layout::Vertices => format!("vertex {texel} has"),
         Layout::Bitmap { width, .. } => format!(
             "column {}, row {} of the picture is",
             texel % width as usize,

@@ -85,7 +85,7 @@ const KNOWN: &[(&str, &[&str])] = &[
             "projector",
         ],
     ),
-    ("texture", &["bitmap", "checkerboard"]),
+    ("texture", &["bitmap", "checkerboard", "mesh_attribute"]),
     ("medium", &[]),
     ("phase", &[]),
     ("volume", &[]),
