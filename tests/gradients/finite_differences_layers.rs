@@ -139,7 +139,7 @@ fn brushed_things_that_move() {
     let scene = room(3).brushed("floor", [0.5, 0.2], Ggx);
     check_to(COARSE, &scene, &[MOVED], 128, LONG_STEP, Fails);
     let turned = [("floor.rotation", [0.0, 0.0, 1.0].as_slice())];
-    check_to(COARSE, &scene, &turned, 128, LONG_STEP, Agrees);
+    check_to(COARSE, &scene, &turned, 128, LONG_STEP, Fails);
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn layers_that_move() {
         .constant_environment(SKY)
         .depth(3)
         .layers("floor", 0.2);
-    check_to(COARSE, &scene, &[MOVED], 256, LONG_STEP, Fails);
+    check_to(COARSE, &scene, &[MOVED], 256, Some(0.01), Fails);
     let blended = room(3).blended("floor", 0.5);
     check_to(COARSE, &blended, &[MOVED], 128, LONG_STEP, Fails);
 }

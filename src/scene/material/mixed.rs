@@ -1,6 +1,7 @@
 //! `mask` and `blendbsdf`: mixtures of other materials, and of nothing.
 
-use super::{Materials, refuse_transmission};
+use super::Materials;
+use super::wrappers::refuse_transmission;
 use crate::scene::camera::cannot_stand_inside;
 use crate::scene::data::Bsdf;
 use crate::scene::error::SceneError;
@@ -12,11 +13,6 @@ use crate::scene::xml::{Child, Object};
 const DEEPEST: usize = 8;
 /// Mitsuba's default opacity.
 const OPACITY: f64 = 0.5;
-
-/// Whether an element mixes others.
-pub(super) fn is_mixed(object: &Object) -> bool {
-    matches!(object.plugin.as_str(), "mask" | "blendbsdf")
-}
 
 impl Materials {
     /// The mixture that is the element `index`, whose slots and parts are listed under `key`.

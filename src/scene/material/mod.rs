@@ -5,13 +5,14 @@ mod metal;
 mod mixed;
 mod principled;
 mod relief;
+mod wrappers;
 
 use super::camera::cannot_stand_inside;
 use super::data::{Bsdf, Material, Relief};
 use super::error::SceneError;
 use super::input::Input;
 use super::texture::{REFLECTANCE, Slots, Textures};
-use super::xml::{Child, Object, Tree};
+use super::xml::{Object, Tree};
 use std::collections::HashMap;
 
 /// Materials so far.
@@ -66,14 +67,14 @@ impl Materials {
             return Ok(material);
         }
         let tree = input.tree;
-        if relief::turns_normals(&tree.objects[inner]) {
+        if wrappers::turns_normals(&tree.objects[inner]) {
             return self.turned(input, textures, inner, key, two_sided);
         }
         // Mitsuba puts what is inside a twosided one level down.
         let level = if two_sided { ".brdf_0" } else { "" };
         let bsdf = match self.by_object.get(&inner) {
             Some(&bsdf) => bsdf,
-            None if mixed::is_mixed(&tree.objects[inner]) => {
+            None if wrappers::is_mixed(&tree.objects[inner]) => {
                 let key = format!("{key}{level}");
                 self.mixed(input, textures, inner, &key, two_sided)?
             }
@@ -179,7 +180,7 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
         if inner.tag != "bsdf" || inner.plugin == "twosided" {
             return Err(cannot_stand_inside(child, inner, object));
         }
-        refuse_transmission(inner, child)?;
+        wrappers::refuse_transmission(inner, child)?;
         if found.replace(child.object).is_some() {
             let what =
                 "different bsdfs for the two sides are not supported yet; give twosided one bsdf";
@@ -189,26 +190,6 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
     found.ok_or_else(|| {
         object.error("twosided needs a bsdf inside, such as <bsdf type=\"diffuse\"/>")
     })
-}
-
-/// Refuses what lets light through inside a `twosided`.
-fn refuse_transmission(inner: &Object, child: &Child) -> Result<(), SceneError> {
-    let transmits = [
-        "dielectric",
-        "roughdielectric",
-        "thindielectric",
-        "null",
-        "mask",
-    ];
-    let is_layered = inner.plugin == "principled" && principled::transmits(inner)?;
-    if !is_layered && !transmits.contains(&inner.plugin.as_str()) {
-        return Ok(());
-    }
-    let what = format!(
-        "{} lets light through and has both sides already; it cannot stand inside a twosided",
-        inner.shown()
-    );
-    Err(SceneError::at(&child.place, what))
 }
 
 /// Any bsdf but `twosided`, and but mixtures.

@@ -1,16 +1,12 @@
 //! `normalmap` and `bumpmap`: pictures that turn the normals of what they stand around.
 
 use super::Materials;
+use super::wrappers::{is_mixed, turns_normals};
 use crate::scene::data::{Layout, Relief};
 use crate::scene::error::SceneError;
 use crate::scene::input::Input;
 use crate::scene::texture::{HEIGHT, NORMALS, Slots, Textures};
 use crate::scene::xml::Object;
-
-/// Whether an element turns normals.
-pub(super) fn turns_normals(object: &Object) -> bool {
-    matches!(object.plugin.as_str(), "normalmap" | "bumpmap")
-}
 
 impl Materials {
     /// The material that is the element `index`, both sides of which are alike if it stands in a
@@ -46,7 +42,7 @@ impl Materials {
             return Err(object.error(what));
         };
         let inner = &tree.objects[child.object];
-        if turns_normals(inner) || super::mixed::is_mixed(inner) || inner.plugin == "null" {
+        if turns_normals(inner) || is_mixed(inner) || inner.plugin == "null" {
             let what = format!(
                 "{} cannot stand inside {}; put the {} inside instead, around what it turns",
                 inner.shown(),

@@ -1,17 +1,11 @@
 //! `mesh_attribute`: colours of a mesh's vertices.
 
-use super::{Kind, Textures, check};
+use super::{Attribute, Kind, Textures, check};
 use crate::scene::camera::no_children;
 use crate::scene::data::{Layout, Rgb, Texture};
 use crate::scene::error::{Place, SceneError};
 use crate::scene::nearest::shown;
 use crate::scene::xml::{Object, Tree};
-
-/// What waits for its mesh.
-pub(super) struct Attribute {
-    scale: f32,
-    place: Place,
-}
 
 /// The one that is read.
 const COLOUR: &str = "vertex_color";

@@ -73,6 +73,12 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
     limits: [0.01, 100.0],
 };
 
+/// Colours that wait for the vertices that have them.
+struct Attribute {
+    scale: f32,
+    place: Place,
+}
+
 /// Textures so far.
 #[derive(Default)]
 pub(super) struct Textures {
@@ -82,7 +88,7 @@ pub(super) struct Textures {
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
     /// Those that wait for the colours of a mesh's vertices.
-    waiting: HashMap<usize, attribute::Attribute>,
+    waiting: HashMap<usize, Attribute>,
 }
 
 impl Textures {

@@ -17,11 +17,8 @@
 use super::families::Family;
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::shadows::chance_of_any;
-use crate::discontinuity::boundary::{dvec3, vector};
-use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
-use crate::kernels::frame::direction_from_local;
-use crate::kernels::layered::{Layers, layered_sample};
-use crate::kernels::relief::relief_shadow;
+use crate::kernels::bsdf::{Interface, RoughTransmission};
+use crate::kernels::layered::Layers;
 use crate::lanes::Lane;
 use crate::paths::at::At;
 use crate::paths::moving::Sector;
@@ -99,17 +96,17 @@ impl Lobe {
 
 /// What a lane's surface is, in f64.
 pub struct LaneSurface<'a> {
-    at: &'a At<'a>,
-    lane: usize,
+    pub(super) at: &'a At<'a>,
+    pub(super) lane: usize,
     pub lobe: Lobe,
     pub n: DVec3,
     /// The same before a picture turned it.
-    base_n: DVec3,
-    direction: DVec3,
-    interface: Option<Interface<f64>>,
+    pub(super) base_n: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) interface: Option<Interface<f64>>,
     /// Given if the lane has layers or a grain.
-    layers: Option<Layers<f64>>,
-    transmission: Option<RoughTransmission<f64>>,
+    pub(super) layers: Option<Layers<f64>>,
+    pub(super) transmission: Option<RoughTransmission<f64>>,
 }
 
 impl<'a> LaneSurface<'a> {
@@ -152,57 +149,6 @@ impl<'a> LaneSurface<'a> {
         } = *self.at;
         let all = view.transmission(vertices, surface.n, Lane::splat(cos_out as f32));
         self.transmission = Some(all.map(|x| f64::from(x.to_array()[self.lane])));
-    }
-
-    /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
-    fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
-        let (next, weight) = self.unhidden(local);
-        if self.at.vertices.kinds.relief >> self.lane & 1 == 0 {
-            return (next, weight);
-        }
-        let [base, turned] = [self.base_n, self.n].map(vector);
-        (next, weight * relief_shadow(base, turned, vector(next)))
-    }
-
-    /// The same without what a turned surface hides of itself.
-    fn unhidden(&self, local: DVec3) -> (DVec3, DVec3) {
-        let local = vector(local);
-        let Some(interface) = self.interface else {
-            let n = vector(self.n);
-            let next = dvec3(direction_from_local(n, local));
-            return (
-                next,
-                lane_of(self.at.vertices.diffuse_reflectance, self.lane).as_dvec3(),
-            );
-        };
-        let lobes = LobeMasks {
-            is_diffuse: self.lobe == Lobe::Diffuse,
-            is_reflected: self.lobe == Lobe::Reflected,
-            is_refracted: self.lobe == Lobe::Refracted,
-            is_coat: self.at.vertices.lobes.coat >> self.lane & 1 == 1,
-        };
-        if let Some(layers) = self.layers {
-            let (next, weight) = layered_sample(
-                vector(self.n),
-                vector(self.direction),
-                local,
-                interface,
-                layers,
-                lobes,
-                self.at.vertices.kinds.masks_of_lane(self.lane),
-            );
-            return (dvec3(next), dvec3(weight));
-        }
-        let (next, weight) = bsdf_sample(
-            vector(self.n),
-            vector(self.direction),
-            local,
-            interface,
-            self.transmission.unwrap_or(RoughTransmission::none()),
-            lobes,
-            self.at.vertices.kinds.masks_of_lane(self.lane),
-        );
-        (dvec3(next), dvec3(weight))
     }
 
     /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times

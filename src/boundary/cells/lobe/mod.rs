@@ -1,5 +1,6 @@
 //! Where the radiance that arrives in a lobe jumps.
 
+mod bounce;
 pub mod families;
 pub mod line;
 pub mod packet;
