@@ -100,8 +100,12 @@ impl<'a> Receiver<'a> {
     pub fn is_lit(&self, x: DVec3, direction: DVec3) -> bool {
         let view = self.scene.view;
         let mesh = view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
-        let material = &view.scene.materials[view.scene.meshes[mesh].material];
-        let is_glass = matches!(material.bsdf, Bsdf::Dielectric { .. });
+        let parts = view.scene.parts_of(view.scene.meshes[mesh].material);
+        let is_glass = parts.iter().any(|&m| match view.scene.materials[m].bsdf {
+            Bsdf::Dielectric { .. } => true,
+            Bsdf::Principled(p) => p.transmits,
+            _ => false,
+        });
         is_glass || self.normal.dot(direction) * self.normal.dot(self.toward_light(x)) < 0.0
     }
 
