@@ -73,6 +73,8 @@ pub enum Discontinuity {
     Mirrored,
     /// What is seen behind surfaces that do nothing to light.
     BehindNull,
+    /// Shadows of delta lights on surfaces that are made of several materials.
+    SharpShadowOnBlend,
     /// Lines in which surfaces pass through one another.
     Intersection,
     /// Where a texture jumps.

@@ -48,6 +48,15 @@ pub fn check(
     for m in used {
         let material = &scene.materials[m];
         let key = &material.key;
+        if matches!(material.bsdf, Bsdf::Blend { .. })
+            && !scene.delta_lights.is_empty()
+            && misses(Discontinuity::SharpShadowOnBlend)
+        {
+            return refuse(format!(
+                "{key}: the sharp shadows of point and directional lights are not followed on a blend, so gradients by what \
+                 moves would be wrong; use small area lights, or one bsdf"
+            ));
+        }
         if scene.passes_straight_on(m) && misses(Discontinuity::BehindNull) {
             let what = if material.bsdf == Bsdf::Null {
                 "behind a null surface edges are not found, so gradients by what moves would be wrong; \

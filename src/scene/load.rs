@@ -352,6 +352,8 @@ impl<'a> Loader<'a> {
             matches!(
                 m.bsdf,
                 Bsdf::Null
+                    | Bsdf::Mask { .. }
+                    | Bsdf::ThinDielectric { .. }
                     | Bsdf::Conductor {
                         microfacets: None,
                         ..

@@ -34,7 +34,7 @@ pub fn find(edges: &Edges, scene: &SearchScene, at: &At, out: &mut Found) {
         let Some(lobe) = Lobe::of_lane(vertices, lane) else {
             continue;
         };
-        let is_narrow = lobe != Lobe::Diffuse && vertices.kinds.wide >> lane & 1 == 0;
+        let is_narrow = vertices.shares_lights() >> lane & 1 == 0;
         // What light samples find at the last vertex has edges of its own, before the lights.
         if is_narrow || !at_last || has_constant_environment {
             lobes[lane] = Some(lobe);

@@ -100,8 +100,13 @@ impl<'a> Receiver<'a> {
     pub fn is_lit(&self, x: DVec3, direction: DVec3) -> bool {
         let view = self.scene.view;
         let mesh = view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
-        let material = &view.scene.materials[view.scene.meshes[mesh].material];
-        matches!(material.bsdf, Bsdf::Dielectric { .. }) || self.faces_light(x, direction)
+        let parts = view.scene.parts_of(view.scene.meshes[mesh].material);
+        let is_glass = parts.iter().any(|&m| match view.scene.materials[m].bsdf {
+            Bsdf::Dielectric { .. } => true,
+            Bsdf::Principled(p) => p.transmits,
+            _ => false,
+        });
+        is_glass || self.faces_light(x, direction)
     }
 
     /// Whether the side that is seen along `direction` faces the light.
