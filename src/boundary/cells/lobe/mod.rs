@@ -1,5 +1,6 @@
 //! Where the radiance that arrives in a lobe jumps.
 
+mod cell;
 pub mod families;
 pub mod line;
 pub mod packet;
