@@ -171,3 +171,23 @@ fn shadows_out_of_sight() {
     check_to(0.04, &bulb(mirror.clone()), &moved, 1024, Some(0.02), Fails);
     check_to(0.04, &sun(mirror), &moved, 1024, Some(0.02), Fails);
 }
+
+/// A coarse ball with shading normals: where it turns away from the light its triangles are dark one
+/// by one, though shading goes on.
+#[test]
+fn where_a_smooth_surface_turns_away() {
+    let across = DeltaLightKind::Directional {
+        direction: vec3(-0.9, 0.3, -0.2).normalize(),
+    };
+    let seen = scene(
+        vec3(0.3, -3.4, 0.4),
+        vec3(0.0, 0.0, 0.0),
+        16.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .smooth("ball", ball(1, vec3(0.0, 0.0, 0.0), 0.9), [0.6, 0.5, 0.4])
+    .delta_light("sun", across, [2.0, 1.9, 1.7]);
+    holds(&seen, &[("ball.translation", &[1.0, 0.2, 0.5])]);
+    holds(&seen, &[("cam.rotation", &[0.1, 0.2, 0.3])]);
+}

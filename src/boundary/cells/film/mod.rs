@@ -4,6 +4,7 @@ pub mod cell;
 pub mod crowds;
 pub mod drift;
 pub mod search;
-pub mod shadows;
+mod shadow_border;
+mod shadows;
 mod terminators;
 pub mod weights;

@@ -13,8 +13,8 @@
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
-use super::shadows;
 use super::weights::{self, ROUNDS};
+use super::{shadow_border, shadows, terminators};
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
@@ -65,7 +65,13 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         let in_crowd = crowds.contain(met.cell.position(met.s), counts);
         out.samples.extend(sample(&cells, &met, in_crowd));
     }
-    shadows::find(&cells, out);
+    if film.image.hidden.is_empty() {
+        return;
+    }
+    let mut borders = Vec::new();
+    shadows::find(&cells, &mut borders, &mut out.counts);
+    terminators::find(&cells, &mut borders, &mut out.counts);
+    shadow_border::add(&cells, &borders, out);
 }
 
 /// Searches the cells of a tile, and says which were left out.

@@ -5,56 +5,22 @@
 //! elsewhere on the line, and its chance of being met is its length in steps, or 1.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
-use super::terminators;
-use crate::boundary::cells::delta::follow::{Followed, Rays, follow};
-use crate::boundary::cells::delta::receiver::{self, Receiver};
-use crate::boundary::cells::delta::value::brought;
+use super::shadow_border::{Border, SMALLEST_CHANCE, between};
+use crate::boundary::cells::delta::follow::{Followed, follow};
+use crate::boundary::cells::delta::receiver::Receiver;
 use crate::boundary::cells::line_search::Cell;
-use crate::discontinuity::boundary::{Boundary, velocity_per_side};
-use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
+use crate::discontinuity::boundary::Boundary;
+use crate::paths::boundary_sample::Shadow;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
-use crate::paths::rays::from_lanes;
-use glam::{DVec3, Vec3};
 
 /// Of the cells both of whose ends are hidden one in this many is searched and stands for all.
 const UNLIKELY: u32 = 8;
-/// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
-pub const SMALLEST_CHANCE: f64 = 1e-3;
-
-/// The border of a shadow.
-pub struct Border {
-    pub boundary: Boundary,
-    pub shadow: Shadow,
-    /// Whether the edge that throws the shadow is the receiver's own.
-    pub is_own: bool,
-    pub axis: usize,
-    pub at: [f64; 2],
-    /// What the light's radiance is multiplied with: +1 if it is hidden beyond, −1 if before, over
-    /// the chance of finding it.
-    pub jump: f64,
-}
-
 /// Finds the borders of all shadows that move.
-pub fn find(cells: &LatticeCells, out: &mut Found) {
-    let mut borders = Vec::new();
+pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts) {
     for light in 0..cells.film.image.hidden.len() {
-        of_light(cells, light, &mut borders, &mut out.counts);
-    }
-    if !cells.film.image.hidden.is_empty() {
-        terminators::find(cells, &mut borders, &mut out.counts);
-    }
-    for group in borders.chunks(LANES) {
-        let jumps = jumps(cells, group, &mut out.counts);
-        for (border, jump) in group.iter().zip(jumps) {
-            if !jump.is_finite() {
-                out.counts.boundary_not_finite += 1;
-            } else if jump != DVec3::ZERO {
-                out.samples.extend(sample(cells, border, jump));
-            }
-        }
+        of_light(cells, light, borders, counts);
     }
 }
 
@@ -181,74 +147,4 @@ impl ShadowCell<'_> {
         let rays = between(cells, self.line, [self.points[0], to], counts);
         follow(cells.scene, light, &rays, limit, counts)
     }
-}
-
-/// The rays from one point of a line to one beside it.
-pub fn between<'a>(
-    cells: &LatticeCells<'a>,
-    line: LatticeLine,
-    [from, to]: [i64; 2],
-    counts: &mut Counts,
-) -> Rays<impl Fn(f64) -> u32 + use<'a>> {
-    let cell = cells.cell(line, from.min(to), counts);
-    let is_reversed = to < from;
-    let (mut arc, mut seen) = (cell.arc(), cell.triangles());
-    if is_reversed {
-        arc = arc.reversed();
-        seen.reverse();
-    }
-    Rays {
-        arc,
-        seen,
-        first_hit: move |s: f64| cell.first_hit(if is_reversed { 1.0 - s } else { s }),
-    }
-}
-
-/// What the radiance jumps by at each of a group of borders.
-fn jumps(cells: &LatticeCells, group: &[Border], counts: &mut Counts) -> Vec<DVec3> {
-    let mut directions = [Vec3::Z; LANES];
-    let [mut receivers, mut lights] = [[0; LANES]; 2];
-    for (lane, border) in group.iter().enumerate() {
-        directions[lane] = cells.direction_at(border.at).as_vec3();
-        receivers[lane] = border.shadow.receiver;
-        lights[lane] = border.shadow.light;
-    }
-    let active = u32::MAX >> (32 - group.len());
-    let rays = cells
-        .scene
-        .view
-        .camera
-        .rays(from_lanes(&directions), active);
-    let brought = brought(cells.scene, &rays, &receivers, &lights, counts);
-    let jump = |(border, brought): (&Border, DVec3)| brought * border.jump;
-    group.iter().zip(brought).map(jump).collect()
-}
-
-/// The jump times the border's speed per unit of Ḟ along the line, over the lines' density.
-fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<BoundarySample> {
-    let &Border {
-        boundary,
-        shadow,
-        is_own,
-        axis,
-        at,
-        ..
-    } = border;
-    let camera = &cells.scene.view.camera;
-    let (origin, d) = (camera.origin.as_dvec3(), cells.direction_at(at));
-    let c = if is_own {
-        boundary.normal(cells.scene.view.geometry, origin)
-    } else {
-        receiver::normal(cells.scene, &boundary, &shadow, origin, d)
-    };
-    let gradient = camera.direction_per_pixel().map(|d| c.dot(d));
-    let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
-    let weight = jump * (velocity * cells.film.tile.step[1 - axis]);
-    Some(BoundarySample {
-        boundary,
-        shadow: (!is_own).then_some(shadow),
-        lane: 0,
-        at: Coordinate::Film(at),
-        weight: weight.as_vec3().to_array(),
-    })
 }

@@ -6,7 +6,7 @@
 //! other edges in a cell one is drawn at random.)
 
 use super::cell::{LatticeCells, LatticeLine};
-use super::shadows::{Border, SMALLEST_CHANCE, between};
+use super::shadow_border::{Border, SMALLEST_CHANCE, between};
 use crate::boundary::cells::delta::follow::{Rays, step, surface_end};
 use crate::boundary::cells::delta::receiver::Receiver;
 use crate::discontinuity::boundary::Boundary;

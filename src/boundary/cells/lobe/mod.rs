@@ -1,6 +1,7 @@
 //! Where the radiance that arrives in a lobe jumps.
 
 mod bounce;
+mod cell;
 pub mod families;
 pub mod line;
 pub mod packet;

@@ -1,17 +1,17 @@
 //! What lies on one line over the hemisphere of a vertex: searched for, and looked at from both
 //! sides.
 
+use super::cell::LobeCell;
 use super::line::{LaneSurface, Line};
 use super::shadows;
 use super::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::cells::line_search::{Cell, LineSearch};
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
-use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, probe_angle};
+use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
-use crate::discontinuity::crossing::Crossing;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
@@ -52,7 +52,7 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
         silhouettes(search, at, (way, &point), part, &cells);
     }
     if search.has_sharp_shadows() {
-        shadows::find(search, at, (way, &point), line, &cells);
+        shadows::find(search, at, (way.weight, &point), line, &cells);
     }
 }
 
@@ -188,77 +188,6 @@ fn cells<'a, 'b: 'a>(
         triangles: [pair[0].1, pair[1].1],
     };
     points.windows(2).enumerate().map(cell).collect()
-}
-
-/// The interval between two points of a line over a lobe, or a part of it.
-#[derive(Clone, Copy)]
-pub struct LobeCell<'a> {
-    scene: &'a SearchScene<'a>,
-    line: &'a Line,
-    point: &'a SurfacePoint,
-    /// Whether all that is seen moves as seen from here.
-    lane_moves: bool,
-    arc: Arc,
-    /// Of the whole interval.
-    ends: [f64; 2],
-    triangles: [u32; 2],
-}
-
-impl Cell for LobeCell<'_> {
-    type Line = ();
-
-    fn line(&self) {}
-
-    fn triangles(&self) -> [u32; 2] {
-        self.triangles
-    }
-
-    fn part(&self, ends: [f64; 2], triangles: [u32; 2]) -> Self {
-        let [a, b] = ends.map(|s| self.arc.direction(s));
-        Self {
-            arc: Arc { a, b, ..self.arc },
-            triangles,
-            ..*self
-        }
-    }
-
-    fn arc(&self) -> Arc {
-        self.arc
-    }
-
-    fn direction(&self, s: f64) -> DVec3 {
-        self.arc.direction(s).normalize()
-    }
-
-    fn coordinate(&self, s: f64) -> f64 {
-        self.line.psi_of(self.arc.direction(s))
-    }
-
-    fn first_hit(&self, s: f64) -> u32 {
-        let d = self.arc.direction(s);
-        self.point.first_hit(self.scene.view, d, f32::INFINITY)
-    }
-
-    fn gap(&self) -> f64 {
-        (2.0 * NEAREST / self.arc.a.angle_between(self.arc.b)).min(2.0 * PROBE)
-    }
-
-    fn beside(&self, crossing: &Crossing) -> f64 {
-        let arc = &self.arc;
-        let direction = arc.direction(crossing.s);
-        let geometry = self.scene.view.geometry;
-        let [angle, most] = probe_angle(geometry, crossing, arc.origin, direction);
-        (angle / arc.a.angle_between(arc.b)).min(most)
-    }
-
-    fn moves(&self, boundary: &Boundary) -> bool {
-        let geometry = self.scene.view.geometry;
-        self.lane_moves || self.scene.moving.boundary(geometry, boundary)
-    }
-
-    fn weight(&self) -> f64 {
-        1.0
-    }
 }
 
 /// A line, and where its rays start.

@@ -3,8 +3,8 @@
 //! As on the film (`boundary::cells::film::shadows`), but all points of a line are known, and from
 //! each that is hidden its shadow is followed to both of its ends.
 
+use super::cell::LobeCell;
 use super::line::{LaneSurface, Line};
-use super::search::{LobeCell, Way};
 use super::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::cells::delta::follow::{Followed, Rays, ShadowEnd, follow};
 use crate::boundary::cells::delta::value::brought;
@@ -37,7 +37,7 @@ struct Met {
 pub fn find(
     search: &mut LobeSearch,
     at: &mut LaneSurface,
-    (way, point): (&Way, &SurfacePoint),
+    (weight, point): (f64, &SurfacePoint),
     line: &Line,
     cells: &[LobeCell],
 ) {
@@ -55,7 +55,7 @@ pub fn find(
     for group in all.chunks(LANES) {
         let brought = on_line.brought(group, &mut search.out.counts);
         for (met, brought) in group.iter().zip(brought) {
-            let jump = brought * (met.jump * FAMILIES * way.weight);
+            let jump = brought * (met.jump * FAMILIES * weight);
             if jump != DVec3::ZERO {
                 let border = Border {
                     boundary: met.boundary,
