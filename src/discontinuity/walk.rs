@@ -187,7 +187,7 @@ pub fn walk(
 }
 
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
-const FLAT: f64 = 1e-10;
+pub(super) const FLAT: f64 = 1e-10;
 
 /// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as
 /// many as leave each about as much to bring: the part of a hemisphere that lies between two planes
@@ -195,14 +195,14 @@ const FLAT: f64 = 1e-10;
 const COARSE: f64 = 1e-2;
 
 /// The squared sine of the angle between the planes of two triangles.
-fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+pub(super) fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }
 
 /// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for
 /// itself: so programs write bodies with hard edges.
-fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
+pub(super) fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let ends = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];
         [vertices[corner], vertices[(corner + 1) % 3]]

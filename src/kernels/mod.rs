@@ -12,4 +12,5 @@ pub mod light;
 pub mod microfacet;
 pub mod normal;
 pub mod silhouette;
+pub mod smooth;
 pub mod triangle;

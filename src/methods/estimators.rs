@@ -92,6 +92,8 @@ pub const ESTIMATORS: [Estimator; 3] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
+            Discontinuity::Mirrored,
+            Discontinuity::BehindNull,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),

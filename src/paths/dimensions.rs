@@ -58,6 +58,9 @@ pub enum Single {
     CrowdLine,
     /// Which of several edges in a cell of the film: cell.
     FilmEdge,
+    /// What smooth surfaces do with the rays of a line of the film's lattice, and what is looked at
+    /// there: line, its first point, place in the search.
+    FilmChain,
     /// Which family of lines over the environment map, for a packet: index, depth.
     EnvironmentFamily,
     /// Which family of lines over diffuse lobes, for a packet: index, depth.
@@ -70,6 +73,9 @@ pub enum Single {
     LobeLane,
     /// Which of several edges in a cell of a line over a lobe: index, depth, cell.
     LobeEdge,
+    /// What smooth surfaces do with the rays of a line over a lobe, and what is looked at there:
+    /// index, depth, place in the search.
+    LobeChain,
 }
 
 /// Streams of their own, with what tells several of them apart.

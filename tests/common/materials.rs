@@ -11,6 +11,12 @@ pub trait Paint {
     fn metal(self, id: &str, alpha: f32, distribution: Distribution) -> Self;
     /// Rough glass of index 1.5.
     fn glass(self, id: &str, alpha: f32) -> Self;
+    /// A smooth metal.
+    fn mirror(self, id: &str) -> Self;
+    /// Smooth glass of index 1.5.
+    fn clear(self, id: &str) -> Self;
+    /// What lets everything through.
+    fn null(self, id: &str) -> Self;
     /// Coloured plastic of index 1.5, rough or smooth.
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self;
     /// A diffuse surface with a picture on it: texture coordinates are x and y.
@@ -44,6 +50,20 @@ fn microfacets(
         distribution,
         alpha: texture(scene, format!("{key}.alpha"), [alpha; 3], 1),
     }
+}
+
+/// The same without roughness.
+fn polished(mut scene: Scene) -> Scene {
+    if let Some(material) = scene.materials.last_mut() {
+        match &mut material.bsdf {
+            Bsdf::Conductor { microfacets, .. } | Bsdf::Dielectric { microfacets, .. } => {
+                *microfacets = None;
+                scene.textures.pop();
+            }
+            _ => {}
+        }
+    }
+    scene
 }
 
 fn paint(mut scene: Scene, id: &str, bsdf: impl FnOnce(&mut Scene, &str) -> Bsdf) -> Scene {
@@ -95,6 +115,18 @@ impl Paint for Scene {
             ),
             microfacets: Some(microfacets(scene, key, alpha, Distribution::Ggx)),
         })
+    }
+
+    fn mirror(self, id: &str) -> Self {
+        polished(self.metal(id, 0.5, Distribution::Ggx))
+    }
+
+    fn clear(self, id: &str) -> Self {
+        polished(self.glass(id, 0.5))
+    }
+
+    fn null(self, id: &str) -> Self {
+        paint(self, id, |_, _| Bsdf::Null)
     }
 
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self {

@@ -4,6 +4,7 @@ mod analytic_edge;
 mod analytic_irradiance;
 mod analytic_shadow;
 mod black;
+mod chains;
 mod determinism;
 mod finite_differences;
 mod finite_differences_foliage;

@@ -8,7 +8,8 @@ use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::silhouette::edge_side;
 use crate::lanes::{Dual, Real, V3};
-use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::chain::through;
 use crate::paths::film::drift::Followed;
 use crate::scene::Rgb;
 use glam::Vec3;
@@ -17,7 +18,12 @@ type D = Dual<f64>;
 
 impl ForwardSweep<'_> {
     /// What a boundary sample of a vertex brings: its weight times Ḟ.
-    pub(crate) fn boundary(&self, sample: &BoundarySample, here: &MovingVertex) -> Rgb {
+    pub(crate) fn boundary(
+        &self,
+        found: &Found,
+        sample: &BoundarySample,
+        here: &MovingVertex,
+    ) -> Rgb {
         let lane = sample.lane as usize;
         let x = dual_lane(here.x, lane);
         let direction = match sample.at {
@@ -34,17 +40,21 @@ impl ForwardSweep<'_> {
             Coordinate::Lobe(local) => self.direction_at(here, lane, local),
             Coordinate::Film(_) => return [0.0; 3],
         };
-        self.weighed(sample, x, direction)
+        self.weighed(found, sample, (x, direction))
     }
 
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
     /// drifts there with this velocity.
-    pub fn film_boundary(&self, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
+    pub fn film_boundary(
+        &self,
+        found: &Found,
+        sample: &BoundarySample,
+        drift: [f64; 2],
+    ) -> Rgb {
         let Coordinate::Film(at) = sample.at else {
             return [0.0; 3];
         };
-        let (origin, d) = self.moving_camera_ray(at, drift);
-        self.weighed(sample, origin, d)
+        self.weighed(found, sample, self.moving_camera_ray(at, drift))
     }
 
     /// The camera's ray through a film point with this velocity.
@@ -75,9 +85,16 @@ impl ForwardSweep<'_> {
         })
     }
 
-    /// The weight times Ḟ, seen from `x` along `direction`.
-    fn weighed(&self, sample: &BoundarySample, x: V3<D>, direction: V3<D>) -> Rgb {
-        let point = |v| self.motion.point(self.view.geometry, v);
+    /// The weight times Ḟ, seen along a ray.
+    fn weighed(&self, found: &Found, sample: &BoundarySample, ray: (V3<D>, V3<D>)) -> Rgb {
+        let view = self.view;
+        let point = |v| self.motion.point(view.geometry, v);
+        let normal = |v| self.motion.normal(view.geometry, v);
+        let eta = |texture| D {
+            value: f64::from(view.scene.constant(texture)[0]),
+            tangent: f64::from(self.motion.texel(texture)[0]),
+        };
+        let (x, direction) = through(view, found.chain(sample), ray, point, normal, eta);
         let side = sample.boundary.side(x, direction, point);
         sample.weight.map(|w| (w as f64 * side.tangent) as f32)
     }

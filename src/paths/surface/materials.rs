@@ -38,8 +38,8 @@ pub struct MaterialTable {
     pub any_special: bool,
     /// Whether any reflectance, index or roughness is not constant.
     pub any_texture: bool,
-    /// Whether any interface is smooth: its reflections are sharp.
-    pub any_smooth: bool,
+    /// Whether the world is seen through any surface along a deterministic map of the ray.
+    pub any_chains: bool,
 }
 
 impl MaterialTable {
@@ -60,7 +60,7 @@ impl MaterialTable {
         };
         Self {
             any_special: used.clone().any(|e| e.kinds.special() != 0),
-            any_smooth: used.clone().any(|e| e.kinds.smooth != 0),
+            any_chains: used.clone().any(|e| e.kinds.in_chains() != 0),
             any_texture: used.clone().any(textures),
             entries,
         }

@@ -60,6 +60,17 @@ pub enum Distribution {
 }
 
 impl Bsdf {
+    /// Whether the world is seen through it along a deterministic map of the ray, at least in part.
+    pub fn is_smooth(&self) -> bool {
+        match self {
+            Bsdf::Diffuse { .. } => false,
+            Bsdf::Conductor { microfacets, .. }
+            | Bsdf::Dielectric { microfacets, .. }
+            | Bsdf::Plastic { microfacets, .. } => microfacets.is_none(),
+            Bsdf::Null => true,
+        }
+    }
+
     /// The texture of its main colour.
     pub fn colour(&self) -> Option<usize> {
         match *self {

@@ -3,6 +3,7 @@
 
 use super::line::{LaneSurface, Line};
 use super::vertex::{FAMILIES, LobeSearch};
+use crate::boundary::cells::chain::{self, lobe::Probes};
 use crate::boundary::cells::line_search::{Cell, LineSearch};
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, probe_angle};
@@ -45,6 +46,9 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
     let (scene, here, line) = (search.scene, search.at, part.line);
     let point = SurfacePoint::of_lane(here, way.lane);
     let cells = cells(search, &point, way, line);
+    let first = cells.first().map(|cell| cell.triangles[0]);
+    let after = cells.iter().map(|cell| cell.triangles[1]);
+    let seen: Vec<u32> = first.into_iter().chain(after).collect();
     let from_here = FromHere {
         line,
         point: &point,
@@ -76,8 +80,14 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
             intervals.inclusion_of_ridge(psi)
         };
         let jump = met.jump * (FAMILIES * way.weight / chance);
-        search.push(at, line, met.boundary, line.direction(psi), jump);
+        search.push(at, line, (met.boundary, &[]), line.direction(psi), jump);
     }
+    let probes = Probes {
+        stream: way.stream,
+        index: way.index,
+        weight: FAMILIES * way.weight,
+    };
+    chain::lobe::find(search, at, (line, &seen), &probes);
 }
 
 /// The jump where a line crosses the plane of the triangle it starts on, which turns with the
@@ -108,7 +118,7 @@ pub fn on_own_plane(
     let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
     if jump != DVec3::ZERO {
         let boundary = Boundary::Edge(point.plane_edge(scene.view));
-        search.push(at, before, boundary, before.direction(psi), jump);
+        search.push(at, before, (boundary, &[]), before.direction(psi), jump);
     }
 }
 

@@ -7,10 +7,12 @@
 //! cells.
 
 use super::line::{LaneSurface, Line};
+use crate::boundary::cells::chain::follow::normal_through;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
+use crate::paths::chain::ChainVertex;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
 use crate::paths::estimator::Bounce;
 use crate::paths::rays::lane_of;
@@ -40,12 +42,12 @@ impl LobeSearch<'_> {
         self.at.vertices.moves >> lane & 1 == 1 || moving.meets(&line.sector(x, at))
     }
 
-    /// Keeps what jumps by `jump` in a direction on a line.
+    /// Keeps what jumps by `jump` in a direction on a line, seen through a chain if there is one.
     pub fn push(
         &mut self,
         at: &mut LaneSurface,
         line: &Line,
-        boundary: Boundary,
+        (boundary, chain): (Boundary, &[ChainVertex]),
         direction: DVec3,
         jump: DVec3,
     ) {
@@ -53,12 +55,12 @@ impl LobeSearch<'_> {
         let geometry = self.scene.view.geometry;
         let x = vertices.position(geometry, lane);
         // The borders of what lines mostly miss cancel, if they move alike.
-        let boundary = if self.scene.is_small(&boundary, x) {
+        let boundary = if chain.is_empty() && self.scene.is_small(&boundary, x) {
             line.family.of_point(boundary, geometry, x, direction)
         } else {
             boundary
         };
-        let c = boundary.normal(geometry, x);
+        let c = normal_through(self.scene.view, chain, &boundary, x, direction);
         let (Some((local, value)), Some(weight)) = (
             at.value(direction),
             line.family.weight(&boundary, c, direction),
@@ -74,10 +76,12 @@ impl LobeSearch<'_> {
             self.out.counts.boundary_not_finite += 1;
             return;
         }
+        let chain = self.out.add_chain(chain);
         self.out.samples.push(BoundarySample {
             boundary,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
+            chain,
             weight: radiance.as_vec3().to_array(),
         });
     }

@@ -1,0 +1,7 @@
+//! What jumps behind smooth surfaces: lines of rays are followed through chains (`paths::chain`).
+
+pub mod film;
+pub mod follow;
+pub mod lobe;
+pub mod look;
+pub mod search;
