@@ -7,9 +7,11 @@
 //! surfaces bend otherwise, are looked at.
 
 use crate::discontinuity::adjacency::Adjacency;
+use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::Unresolved;
 use crate::discontinuity::boundary::{Boundary, vector};
 use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::discontinuity::texture_edges;
 use crate::discontinuity::walk::{FLAT, bend, is_torn};
 use crate::kernels::silhouette::crease_side;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
@@ -107,11 +109,13 @@ pub fn between(
     [a, b]: [u32; 2],
 ) -> Result<Between, Unresolved> {
     if a == b {
-        return Ok(Between::default());
+        return Ok(Between {
+            silhouette: None,
+            ridges: texture_lines(geometry, a, pencil, [0.0, 1.0]),
+        });
     }
     let mut before = Vec::new();
-    let from_a =
-        (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, pencil, [a, b], &mut before));
+    let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, pencil, [a, b], &mut before));
     if let Some(Walk::Reached) = from_a {
         return Ok(Between {
             silhouette: None,
@@ -162,7 +166,10 @@ pub fn between(
         Kind::Silhouette
     };
     Ok(Between {
-        silhouette: Some((Crossing::new(Boundary::Edge(fold.edge), kind, fold.s), Some(near))),
+        silhouette: Some((
+            Crossing::new(Boundary::Edge(fold.edge), kind, fold.s),
+            Some(near),
+        )),
         ridges: before,
     })
 }
@@ -181,6 +188,35 @@ fn crease(geometry: &Geometry, pencil: &Pencil, seen: [u32; 2]) -> Result<Crossi
     }
     let s = low / (low - high);
     Ok(Crossing::new(Boundary::Crease([a, b]), Kind::Silhouette, s))
+}
+
+/// The texture edges that rays between two places cross on a triangle, taken to lie on a straight
+/// line there.
+fn texture_lines(
+    geometry: &Geometry,
+    triangle: u32,
+    pencil: &Pencil,
+    [from, to]: [f64; 2],
+) -> Vec<Crossing> {
+    if !geometry.has_texture_edges(triangle) || from >= to {
+        return Vec::new();
+    }
+    let corners = geometry.triangles[triangle as usize];
+    let [p, q, r] = corners.map(|v| geometry.positions[v as usize].as_dvec3());
+    let normal = (q - p).cross(r - p);
+    let origin = pencil.ray(0.5 * (from + to)).0;
+    let [a, b] = [from, to].map(|s| {
+        let (o, d) = pencil.ray(s);
+        o + d * (normal.dot(p - o) / normal.dot(d)) - origin
+    });
+    let arc = Arc { origin, a, b };
+    let points = [p, q, r].map(|p| p - origin);
+    let lines = texture_edges::lines(geometry, triangle, points, &arc, [0.0, 1.0]);
+    let place = |s: f64| from + (to - from) * s;
+    lines
+        .into_iter()
+        .map(|(line, s)| Crossing::ridge(line, place(s)))
+        .collect()
 }
 
 /// Walks from `start`, which the pencil's first ray meets, toward `goal`, which its last one meets.
@@ -207,6 +243,13 @@ fn walk(
                 Some((corner, s.max(entered_at)))
             })
             .min_by(|a, b| a.1.total_cmp(&b.1));
+        let left_at = exit.map_or(1.0, |(_, s)| s.min(1.0));
+        ridges.extend(texture_lines(
+            geometry,
+            triangle,
+            pencil,
+            [entered_at, left_at],
+        ));
         let Some((corner, s)) = exit else {
             return Walk::Continues;
         };
@@ -239,10 +282,14 @@ fn walk(
         } else {
             bend(points, next) > FLAT
         };
+        let has_pattern = geometry.pattern(triangle).is_some();
+        let is_ridge = is_ridge
+            || (has_pattern && texture_edges::is_seam(geometry, triangle, corner, &across));
         if is_ridge {
             ridges.push(Crossing::ridge(Boundary::Edge(edge), s));
         }
         if across.triangle == goal {
+            ridges.extend(texture_lines(geometry, goal, pencil, [s, 1.0]));
             return Walk::Reached;
         }
         triangle = across.triangle;

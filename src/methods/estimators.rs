@@ -59,16 +59,12 @@ pub enum Discontinuities {
 /// Kinds of discontinuities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Discontinuity {
-    /// Silhouettes that the camera sees, or that rough surfaces reflect or transmit.
+    /// Silhouettes that the camera sees, or that surfaces reflect or transmit.
     Silhouette,
     /// Shadows of lights with an extent, and of the environment.
     SoftShadow,
     /// Shadows of delta lights.
     SharpShadow,
-    /// What is seen in perfectly smooth reflections and refractions.
-    Mirrored,
-    /// What is seen behind surfaces that do nothing to light.
-    BehindNull,
 }
 
 /// How a gradient is computed.
@@ -92,8 +88,6 @@ pub const ESTIMATORS: [Estimator; 3] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
-            Discontinuity::Mirrored,
-            Discontinuity::BehindNull,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),

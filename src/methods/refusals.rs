@@ -2,7 +2,7 @@
 
 use super::error::EngineError;
 use super::estimators::{Discontinuity, Method};
-use crate::scene::{Bsdf, Scene, SceneDifferential};
+use crate::scene::{Scene, SceneDifferential};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 pub fn check(
@@ -27,36 +27,6 @@ pub fn check(
     }
     if !request.moves_geometry() && !request.refraction_moves(scene) {
         return Ok(());
-    }
-    let used = || {
-        let used = scene.meshes.iter().map(|m| m.material);
-        used.map(|m| &scene.materials[m])
-    };
-    for material in used() {
-        let key = &material.key;
-        match material.bsdf {
-            Bsdf::Null if misses(Discontinuity::BehindNull) => {
-                return refuse(format!(
-                    "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
-                     take the surface out"
-                ));
-            }
-            Bsdf::Conductor {
-                microfacets: None, ..
-            }
-            | Bsdf::Dielectric {
-                microfacets: None, ..
-            }
-            | Bsdf::Plastic {
-                microfacets: None, ..
-            } if misses(Discontinuity::Mirrored) => {
-                return refuse(format!(
-                    "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                     moves would be wrong; use its rough variant with an alpha such as 0.01"
-                ));
-            }
-            _ => {}
-        }
     }
     if misses(Discontinuity::SharpShadow)
         && let Some(light) = scene.delta_lights.first()

@@ -6,8 +6,8 @@
 //! the surfaces are.
 
 use crate::discontinuity::boundary::{dvec3, vector};
-use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::bsdf::consistent_normal;
+use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::smooth::smooth_ray;
 use crate::lanes::{Real, V3};
 use crate::paths::rays::OFFSET;
@@ -192,9 +192,12 @@ impl<'a> Meeting<'a> {
         if self.kinds.conductor != 0 {
             return none(Bend::Reflected);
         }
-        let reflected = self.bent(Bend::Reflected).map_or(0.0, |(_, w)| w.max_element());
+        let reflected = self
+            .bent(Bend::Reflected)
+            .map_or(0.0, |(_, w)| w.max_element());
         let refracted = if self.kinds.dielectric != 0 {
-            self.bent(Bend::Refracted).map_or(0.0, |(_, w)| w.max_element())
+            self.bent(Bend::Refracted)
+                .map_or(0.0, |(_, w)| w.max_element())
         } else {
             // A plastic's diffuse part.
             1.0 - reflected
@@ -202,7 +205,10 @@ impl<'a> Meeting<'a> {
         let sum = (reflected + refracted).max(1e-9);
         let [a, b] = [reflected, refracted].map(|w| w / sum);
         if self.kinds.plastic != 0 {
-            return [(Bend::Reflected, a.max(LEAST_CHANCE)), (Bend::Refracted, 0.0)];
+            return [
+                (Bend::Reflected, a.max(LEAST_CHANCE)),
+                (Bend::Refracted, 0.0),
+            ];
         }
         [(Bend::Reflected, a), (Bend::Refracted, b)]
     }
@@ -235,6 +241,17 @@ impl<'a> Meeting<'a> {
         let (next, weight) = (dvec3(next), dvec3(weight));
         let passes = bend != Bend::Refracted || weight != DVec3::ZERO;
         (passes && next.is_finite() && weight.is_finite()).then_some((next, weight))
+    }
+
+    /// Whether a ray that goes on along `direction` starts on the other side of the triangle's plane
+    /// than it should: shading normals send it there.
+    pub fn leaks(&self, bend: Bend, direction: DVec3) -> bool {
+        let goes_through = self.geometric.dot(direction) * self.geometric.dot(self.direction) > 0.0;
+        match bend {
+            Bend::Reflected => goes_through,
+            Bend::Refracted => !goes_through,
+            Bend::Straight => false,
+        }
     }
 
     /// As it stands in a chain.

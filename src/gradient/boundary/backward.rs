@@ -60,12 +60,8 @@ impl BackwardSweep<'_> {
                 bar,
             };
             let added = match sample.at {
-                Coordinate::Light { patch, at } => {
-                    self.on_light(&seen, here, (patch, at), sums)
-                }
-                Coordinate::Environment(d) => {
-                    self.on_environment(&seen, here, d.into(), sums)
-                }
+                Coordinate::Light { patch, at } => self.on_light(&seen, here, (patch, at), sums),
+                Coordinate::Environment(d) => self.on_environment(&seen, here, d.into(), sums),
                 Coordinate::Lobe(local) => self.on_lobe(&seen, here, local, sums),
                 Coordinate::Film(_) => LaneBars::default(),
             };

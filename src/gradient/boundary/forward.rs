@@ -45,12 +45,7 @@ impl ForwardSweep<'_> {
 
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
     /// drifts there with this velocity.
-    pub fn film_boundary(
-        &self,
-        found: &Found,
-        sample: &BoundarySample,
-        drift: [f64; 2],
-    ) -> Rgb {
+    pub fn film_boundary(&self, found: &Found, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
         let Coordinate::Film(at) = sample.at else {
             return [0.0; 3];
         };

@@ -76,8 +76,8 @@ pub fn find(cells: &LatticeCells, stream: &Stream, out: &mut Found) {
             }
         }
     }
-    borders.sort_by_key(|b| b.border.chain.len());
-    let by_length = borders.chunk_by(|a, b| a.border.chain.len() == b.border.chain.len());
+    borders.sort_by_key(|b| b.border.bends);
+    let by_length = borders.chunk_by(|a, b| a.border.bends == b.border.bends);
     for group in by_length.flat_map(|group| group.chunks(LANES / 2)) {
         let all: Vec<&Border> = group.iter().map(|b| &b.border).collect();
         let number = |b: &OnLine| {
@@ -120,7 +120,8 @@ fn find_on_line(
         }
         if stretch.len() > 1 {
             let first = stretch[0].s as u32;
-            let random = |name| f64::from(tile.stream.single(Single::FilmChain, [number, first, name]));
+            let random =
+                |name| f64::from(tile.stream.single(Single::FilmChain, [number, first, name]));
             let mut search = ChainSearch {
                 scene: cells.scene,
                 rays: &rays,

@@ -42,6 +42,8 @@ pub struct Followed {
     pub chain: Vec<ChainVertex>,
     /// What radiance along the ray is multiplied with.
     pub weight: DVec3,
+    /// Whether it starts on the wrong side of the triangle that bent it last.
+    pub leaks: bool,
 }
 
 impl Followed {
@@ -55,6 +57,7 @@ impl Followed {
             triangle,
             chain: Vec::new(),
             weight: DVec3::ONE,
+            leaks: false,
         }
     }
 
@@ -86,6 +89,7 @@ impl Followed {
         let meeting = self.meeting(view)?;
         let (direction, weight) = meeting.bent(bend)?;
         self.chain.push(meeting.vertex(bend));
+        self.leaks = meeting.leaks(bend, direction);
         self.origin = meeting.leave(direction);
         self.direction = direction;
         self.weight *= weight;

@@ -91,10 +91,14 @@ pub fn find(
         found: Vec::new(),
     };
     let points = line.psi.iter().zip(seen);
-    chains.search(points.map(|(&psi, &seen)| Followed::first(&rays, psi, seen)).collect());
+    chains.search(
+        points
+            .map(|(&psi, &seen)| Followed::first(&rays, psi, seen))
+            .collect(),
+    );
     let mut found = chains.found;
-    found.sort_by_key(|border| border.chain.len());
-    for group in found.chunk_by(|a, b| a.chain.len() == b.chain.len()) {
+    found.sort_by_key(|border| border.bends);
+    for group in found.chunk_by(|a, b| a.bends == b.bends) {
         for group in group.chunks(LANES / 2) {
             let all: Vec<&Found> = group.iter().collect();
             let numbers = (probes.stream, &[probes.index; LANES]);

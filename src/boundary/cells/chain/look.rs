@@ -10,8 +10,8 @@ use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 
-/// The jump at each of some borders, up to `LANES / 2` with chains of one length, whose first rays
-/// lead to vertex `depth`; zero where they lie behind something. `index` are the sample indices of
+/// The jump at each of some borders, up to `LANES / 2` behind as many smooth surfaces each, whose first rays
+/// lead to vertex `depth`. `index` are the sample indices of
 /// what looks there.
 pub fn jumps(
     scene: &SearchScene,
@@ -38,20 +38,17 @@ pub fn jumps(
             near: 0.0,
             far: f32::INFINITY,
         },
-        depth: depth + borders.first().map_or(0, |b| b.chain.len() as u32),
+        depth: depth + borders.first().map_or(0, |b| b.bends as u32),
         drifts: 0,
         with_emission: true,
         between_planes: 0,
     };
-    let (radiance, seen) = scene.probe(start, sides, stream, index, counts);
+    let (radiance, _) = scene.probe(start, sides, stream, index, counts);
     let jump = |(i, border): (usize, &&Found)| {
         let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
         let jump = (before - after) * border.weight;
         if !jump.is_finite() {
             counts.boundary_not_finite += 1;
-            return DVec3::ZERO;
-        }
-        if seen[2 * i] == seen[2 * i + 1] {
             return DVec3::ZERO;
         }
         jump

@@ -6,7 +6,7 @@
 //! lies behind a smooth surface it is a border whose jump counts.
 
 use super::follow::{FirstRays, Followed, pencil};
-use crate::boundary::occlusion::{NEAREST, PROBE};
+use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::between::HALVINGS;
 use crate::discontinuity::boundary::Boundary;
@@ -21,8 +21,11 @@ use glam::DVec3;
 const ROUNDS: u32 = 6;
 /// Steps toward a border along a chain.
 const STEPS: u32 = 24;
-/// Chances below this are taken for it: it bounds the weight of one border.
-const LEAST_MET: f64 = 1e-3;
+/// Chances below this are taken for it: it bounds the weight of one border. Both borders of what is
+/// thinner move nearly alike.
+const LEAST_MET: f64 = 0.1;
+/// How near to where rays change sides of a plane to look, in parts of an interval.
+const OWN_PLANE: f64 = 1e-4;
 /// Facets of one smooth surface that are told apart in one interval.
 const MOST_FACETS: usize = 16;
 
@@ -32,6 +35,9 @@ pub struct Found {
     pub s: f64,
     pub boundary: Boundary,
     pub chain: Vec<ChainVertex>,
+    /// Smooth surfaces before the last rays: one more than the chain where it is the last surface
+    /// that has an edge there.
+    pub bends: usize,
     /// The chain's last rays on either side.
     pub sides: [(DVec3, DVec3); 2],
     /// What the jump is multiplied with: the chain's weight, over the chance of finding it and that
@@ -64,7 +70,11 @@ enum Points {
     OfLine,
     /// So many at equal distances of the line's measure between two places, shifted together; with
     /// the chance that they are there.
-    New { ends: [f64; 2], count: f64, chance: f64 },
+    New {
+        ends: [f64; 2],
+        count: f64,
+        chance: f64,
+    },
 }
 
 /// How a chain came about.
@@ -85,6 +95,8 @@ enum Near {
     After,
     /// Neither does.
     None,
+    /// Rays change sides of the plane of the triangle that bends them last.
+    OwnPlane,
 }
 
 /// A place at which what is seen changes, and what is seen beside it.
@@ -202,13 +214,19 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 Near::Before => before(),
                 Near::After => after(),
                 Near::None => before().min(after()),
+                Near::OwnPlane => {
+                    self.own_plane_counts(&all.cuts[i], [&runs[i], &runs[i + 1]], way)
+                }
             };
             if let Some(border) = &mut all.cuts[i].border {
                 border.weight /= chance;
             }
         }
         for ridge in &mut all.ridges {
-            let holds = |run: &Run| run.ends().is_some_and(|[from, to]| (from..=to).contains(&ridge.s));
+            let holds = |run: &Run| {
+                run.ends()
+                    .is_some_and(|[from, to]| (from..=to).contains(&ridge.s))
+            };
             if let Some(run) = runs.iter().position(holds) {
                 ridge.weight /= chance([run; 2]);
             }
@@ -216,6 +234,19 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         self.found.append(&mut all.ridges);
         self.found
             .extend(all.cuts.iter_mut().filter_map(|cut| cut.border.take()));
+    }
+
+    /// Whether a border at which rays change sides of a plane counts: infinity if not. Those that
+    /// lie between two such borders move alike, and what they bring cancels. Only what reaches to
+    /// the end of the surface is left.
+    fn own_plane_counts(&self, cut: &Cut, runs: [&Run; 2], way: &Way) -> f64 {
+        let leaks_first = cut.sides[0].leaks;
+        let reaches_end = if leaks_first {
+            runs[0].is_open[0]
+        } else {
+            runs[1].is_open[1]
+        };
+        if reaches_end { way.met } else { f64::INFINITY }
     }
 
     /// The chance that any point lies between two places.
@@ -333,7 +364,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         }
         for rays in self.where_bent(rays, bend, way) {
             let rays = rays.into_iter();
-            let on: Vec<_> = rays.filter_map(|ray| ray.on(view, bend, self.counts)).collect();
+            let on: Vec<_> = rays
+                .filter_map(|ray| ray.on(view, bend, self.counts))
+                .collect();
             if on.len() > 1 {
                 self.look_between(on, &next);
             }
@@ -387,7 +420,29 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         let mut parts = vec![(ends.map(Followed::clone), ROUNDS, HALVINGS)];
         while let Some(([a, b], rounds, halvings)) = parts.pop() {
             let seen = [a.triangle, b.triangle];
-            if seen[0] == seen[1] || a.s >= b.s {
+            if a.s >= b.s {
+                continue;
+            }
+            if a.leaks != b.leaks {
+                if rounds == 0 {
+                    continue;
+                }
+                let Some((crossing, border)) = self.own_plane([&a, &b], way) else {
+                    self.counts.unresolved += 1;
+                    continue;
+                };
+                let [before, after] = border.sides.clone();
+                parts.push(([a, before.clone()], rounds - 1, HALVINGS));
+                parts.push(([after.clone(), b], rounds - 1, HALVINGS));
+                out.cuts.push(Cut {
+                    border: self.kept(&crossing, border, 1.0, way),
+                    sides: [before, after],
+                    near: Near::OwnPlane,
+                });
+                continue;
+            }
+            let has_lines = !way.bends.is_empty() && view.geometry.has_texture_edges(seen[0]);
+            if seen[0] == seen[1] && !has_lines {
                 continue;
             }
             let rays = pencil([&a, &b]);
@@ -465,9 +520,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 continue;
             };
             let sides = border.sides.clone();
-            if sides[0].triangle != sides[1].triangle {
+            if !crossing.is_hidden([0, 1].map(|i| sides[i].triangle)) {
                 let border = self.kept(&crossing, border, count, way);
-                if is_smooth {
+                let is_texture = matches!(crossing.boundary, Boundary::TextureEdge { .. });
+                if is_smooth && !is_texture {
                     out.cuts.push(Cut {
                         sides,
                         near: Near::None,
@@ -494,6 +550,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             boundary: crossing.boundary,
             weight: at.weight * (way.inverse_chance * count),
             chain: at.chain,
+            bends: way.bends.len(),
             sides: sides.map(|side| (side.origin, side.direction)),
         })
     }
@@ -510,6 +567,42 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             at,
             sides: [before?, after?],
         })
+    }
+
+    /// Where rays change sides of the plane of the triangle that bends them last: within it, or
+    /// where the next one begins.
+    fn own_plane(&mut self, ends: [&Followed; 2], way: &Way) -> Option<(Crossing, Border)> {
+        let view = self.scene.view;
+        let [mut a, mut b] = ends.map(Followed::clone);
+        let length = b.s - a.s;
+        while b.s - a.s > OWN_PLANE * length {
+            let middle = 0.5 * (a.s + b.s);
+            let m = Followed::new(view, self.rays, middle, &way.bends, self.counts)?;
+            let end = if m.leaks == a.leaks { &mut a } else { &mut b };
+            *end = m;
+        }
+        let [t, u] = [&a, &b].map(|end| end.chain.last().map(|v| v.triangle));
+        let (t, u) = (t?, u?);
+        let corners = view.geometry.triangles[t as usize];
+        let mut at = a.clone();
+        let edge = if t == u {
+            let point = SurfacePoint {
+                x: at.origin.as_vec3(),
+                geometric: glam::Vec3::ZERO,
+                triangle: t,
+            };
+            point.plane_edge(view)
+        } else {
+            at.chain.pop();
+            let corner = (0..3).find(|&corner| {
+                let across = self.scene.adjacency.across(t, corner);
+                across.is_some_and(|across| across.triangle == u)
+            })?;
+            [corners[corner], corners[(corner + 1) % 3]]
+        };
+        let boundary = Boundary::Edge(edge);
+        let crossing = Crossing::new(boundary, Kind::FacetEdge, 0.0);
+        Some((crossing, Border { at, sides: [a, b] }))
     }
 
     /// The root of F along the chain near where rays that are not bent otherwise have it, and its
@@ -551,7 +644,11 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             last = Some((s, side));
             let mut next = s - side / slope;
             if is_bracketed {
-                *(if side * low.1 > 0.0 { &mut low } else { &mut high }) = (s, side);
+                *(if side * low.1 > 0.0 {
+                    &mut low
+                } else {
+                    &mut high
+                }) = (s, side);
                 let inside = next > low.0.min(high.0) && next < low.0.max(high.0);
                 if !inside || step % 4 == 3 {
                     next = 0.5 * (low.0 + high.0);

@@ -79,7 +79,13 @@ fn shadows(search: &mut LobeSearch, lane: usize, line: &Line, is_open: &[bool], 
     for edge in edges {
         let boundary = Boundary::Edge(edge.end.edge);
         let jump = radiance * (edge.jump * FAMILIES);
-        search.push(&mut at, line, (boundary, &[]), line.direction(edge.at), jump);
+        search.push(
+            &mut at,
+            line,
+            (boundary, &[]),
+            line.direction(edge.at),
+            jump,
+        );
     }
 }
 
