@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// Points on each part of a line that sees one smooth surface: what is seen through that is as
 /// large as the world.
-const NEW_POINTS: u32 = 6;
+const NEW_POINTS: u32 = 16;
 
 /// How paths go on from what is found on a line, and what that stands for.
 pub struct Probes<'a> {

@@ -1,5 +1,8 @@
 //! What jumps behind smooth surfaces: lines of rays are followed through chains (`paths::chain`).
 
+mod border;
+mod cuts;
+mod deeper;
 pub mod film;
 pub mod follow;
 pub mod lobe;
