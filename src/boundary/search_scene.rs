@@ -2,6 +2,7 @@
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::discontinuity::pieces::Pieces;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
@@ -27,6 +28,23 @@ impl SearchScene<'_> {
     pub fn pieces(&self) -> &Pieces {
         let find = || Pieces::new(self.view.geometry, self.adjacency);
         self.found_pieces.get_or_init(find)
+    }
+
+    /// Whether a crossing is a facet edge of a surface that does nothing but bend rays. Only those
+    /// jump there that shading normals send below the plane of a triangle: chains look for them.
+    pub fn is_bare_facet(&self, crossing: &Crossing) -> bool {
+        let (Kind::FacetEdge, Boundary::Edge([v, _])) = (crossing.kind, crossing.boundary) else {
+            return false;
+        };
+        let SceneView {
+            geometry,
+            materials,
+            scene,
+            ..
+        } = *self.view;
+        let mesh = geometry.first_vertex.partition_point(|&first| first <= v) - 1;
+        let kinds = materials.of_mesh(scene, mesh).kinds;
+        kinds.smooth & (kinds.conductor | kinds.dielectric) != 0
     }
 
     /// Whether a border is that of a thing that is small as seen from `x`, so that lines mostly miss

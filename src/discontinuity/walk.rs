@@ -203,7 +203,7 @@ pub fn walk_among(
 }
 
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
-const FLAT: f64 = 1e-10;
+pub(super) const FLAT: f64 = 1e-10;
 
 /// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as
 /// many as leave each about as much to bring: the part of a hemisphere that lies between two planes
@@ -244,7 +244,7 @@ pub fn bend_at(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
 }
 
 /// The squared sine of the angle between the planes of two triangles.
-fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+pub(super) fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
     na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
 }

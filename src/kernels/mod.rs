@@ -13,4 +13,5 @@ pub mod microfacet;
 pub mod normal;
 pub mod relief;
 pub mod silhouette;
+pub mod smooth;
 pub mod triangle;

@@ -247,7 +247,7 @@ fn differentiate(
         let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
         let bar = gather_point(adjoint, width, &x, &y);
         if bar != [0.0; 3] {
-            sweep.add_film_boundary(sample, bar, sums);
+            sweep.add_film_boundary(&traced.store.found, sample, bar, sums);
             sums.end_term();
         }
     }

@@ -61,7 +61,7 @@ pub enum Discontinuities {
 /// Kinds of discontinuities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Discontinuity {
-    /// Silhouettes that the camera sees, or that rough surfaces reflect or transmit.
+    /// Silhouettes that the camera sees, or that surfaces reflect or transmit.
     Silhouette,
     /// Shadows of lights with an extent, and of the environment.
     SoftShadow,
@@ -73,6 +73,12 @@ pub enum Discontinuity {
     Mirrored,
     /// What is seen behind surfaces that do nothing to light.
     BehindNull,
+    /// What is seen behind masks and thin panes, or in a perfectly smooth surface that is part of a
+    /// mixture or whose normals a picture turns.
+    BehindMixture,
+    /// Shadows of delta lights that are seen in perfectly smooth surfaces, or behind what does
+    /// nothing to light.
+    MirroredShadow,
     /// Shadows of delta lights on surfaces that are made of several materials.
     SharpShadowOnBlend,
     /// Lines in which surfaces pass through one another.
@@ -105,6 +111,8 @@ pub const ESTIMATORS: [Estimator; 4] = [
             Discontinuity::Intersection,
             Discontinuity::TextureEdge,
             Discontinuity::SharpShadow,
+            Discontinuity::Mirrored,
+            Discontinuity::BehindNull,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),

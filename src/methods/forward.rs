@@ -144,7 +144,7 @@ fn differentiate(
             continue;
         };
         let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
-        let value = sweep.film_boundary(sample, velocity);
+        let value = sweep.film_boundary(&traced.store.found, sample, velocity);
         if value.iter().all(|c| c.is_finite()) {
             let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
             block.add_point(&x, &y, value);

@@ -57,39 +57,62 @@ pub fn check(
                  moves would be wrong; use small area lights, or one bsdf"
             ));
         }
-        if scene.passes_straight_on(m) && misses(Discontinuity::BehindNull) {
-            let what = if material.bsdf == Bsdf::Null {
-                "behind a null surface edges are not found, so gradients by what moves would be wrong; \
+        if material.bsdf == Bsdf::Null && misses(Discontinuity::BehindNull) {
+            return refuse(format!(
+                "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
                  take the surface out"
-            } else {
-                "behind a mask edges are not found, so gradients by what moves would be wrong; \
-                 cut the mask's outline out of the mesh, or make the mask opaque"
-            };
-            return refuse(format!("{key}: {what}"));
+            ));
         }
-        match material.bsdf {
+        let is_pane = matches!(material.bsdf, Bsdf::ThinDielectric { .. });
+        let is_mask = material.bsdf != Bsdf::Null && scene.passes_straight_on(m);
+        if is_mask && !is_pane && misses(Discontinuity::BehindMixture) {
+            return refuse(format!(
+                "{key}: behind a mask edges are not found, so gradients by what moves would be wrong; \
+                 cut the mask's outline out of the mesh, or make the mask opaque"
+            ));
+        }
+        if is_pane && misses(Discontinuity::BehindMixture) {
+            return refuse(format!(
+                "{key}: edges seen through a thin pane are not found, so gradients by what moves would be wrong; \
+                 use two sheets of dielectric"
+            ));
+        }
+        let is_smooth = matches!(
+            material.bsdf,
             Bsdf::Conductor {
-                microfacets: None, ..
+                microfacets: None,
+                ..
+            } | Bsdf::Dielectric {
+                microfacets: None,
+                ..
+            } | Bsdf::Plastic {
+                microfacets: None,
+                ..
             }
-            | Bsdf::Dielectric {
-                microfacets: None, ..
-            }
-            | Bsdf::Plastic {
-                microfacets: None, ..
-            }
-            | Bsdf::ThinDielectric { .. }
-                if misses(Discontinuity::Mirrored) =>
-            {
-                return refuse(format!(
-                    "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                     moves would be wrong; use {} with an alpha such as 0.01",
-                    match material.bsdf {
-                        Bsdf::ThinDielectric { .. } => "two sheets of roughdielectric",
-                        _ => "its rough variant",
-                    }
-                ));
-            }
-            _ => {}
+        );
+        if is_smooth && misses(Discontinuity::Mirrored) {
+            return refuse(format!(
+                "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
+                 moves would be wrong; use its rough variant with an alpha such as 0.01"
+            ));
+        }
+        let is_whole = scene.meshes.iter().any(|mesh| mesh.material == m);
+        let is_mixed = is_smooth && (!is_whole || material.relief.is_some());
+        if is_mixed && misses(Discontinuity::BehindMixture) {
+            return refuse(format!(
+                "{key}: edges seen in a perfectly smooth surface that is blended, masked or given a relief are not found, \
+                 so gradients by what moves would be wrong; use its rough variant with an alpha such as 0.01"
+            ));
+        }
+        if (is_smooth || material.bsdf == Bsdf::Null)
+            && misses(Discontinuity::MirroredShadow)
+            && let Some(light) = scene.delta_lights.first()
+        {
+            return refuse(format!(
+                "{key}: the sharp shadows of {} that are seen in perfectly smooth surfaces or behind null ones are not \
+                 found, so gradients by what moves would be wrong; use a small area light, or a rough variant",
+                light.key
+            ));
         }
     }
     if misses(Discontinuity::SharpShadow)

@@ -1,6 +1,7 @@
 //! What estimators of boundary terms leave behind: where something jumps, and what that brings.
 
 use crate::discontinuity::boundary::Boundary;
+use crate::paths::chain::ChainVertex;
 use crate::paths::counts::Counts;
 use crate::scene::Rgb;
 
@@ -16,6 +17,8 @@ pub struct BoundarySample {
     /// Of the packet whose vertex it belongs to; of no meaning on the film.
     pub lane: u8,
     pub at: Coordinate,
+    /// The smooth surfaces through which it is seen, as a range of [`Found::chains`].
+    pub chain: [u32; 2],
     /// Radiance per unit of Ḟ, all at θ₀; on the film in radiance times pixels.
     pub weight: Rgb,
 }
@@ -29,6 +32,9 @@ pub struct Shadow {
     /// The triangle that the shadow falls on.
     pub receiver: u32,
 }
+
+/// The chain of what is seen directly.
+pub const NO_CHAIN: [u32; 2] = [0; 2];
 
 /// What stays fixed while the boundary moves.
 #[derive(Clone, Copy, Debug)]
@@ -47,13 +53,29 @@ pub enum Coordinate {
 #[derive(Default)]
 pub struct Found {
     pub samples: Vec<BoundarySample>,
+    /// Of all samples, one after another.
+    pub chains: Vec<ChainVertex>,
     pub counts: Counts,
 }
 
 impl Found {
+    /// Keeps a chain for the samples that are seen through it.
+    pub fn add_chain(&mut self, chain: &[ChainVertex]) -> [u32; 2] {
+        let first = self.chains.len() as u32;
+        self.chains.extend_from_slice(chain);
+        [first, self.chains.len() as u32]
+    }
+
+    /// The smooth surfaces through which a sample is seen.
+    pub fn chain(&self, sample: &BoundarySample) -> &[ChainVertex] {
+        let [from, to] = sample.chain.map(|i| i as usize);
+        &self.chains[from..to]
+    }
+
     /// Forgets everything, and keeps the memory.
     pub fn clear(&mut self) {
         self.samples.clear();
+        self.chains.clear();
         self.counts = Counts::default();
     }
 }

@@ -63,6 +63,9 @@ pub enum Single {
     /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides: cell,
     /// light.
     FilmShadow,
+    /// What smooth surfaces do with the rays of a line of the film's lattice, and what is looked at
+    /// there: line, its first point, place in the search.
+    FilmChain,
     /// Which family of lines over the environment map, for a packet: index, depth.
     EnvironmentFamily,
     /// Which family of lines over diffuse lobes, for a packet: index, depth.
@@ -85,6 +88,9 @@ pub enum Single {
     MapEdgePoint,
     /// Which of the materials that a surface is made of a path meets: index, depth.
     Choice,
+    /// What smooth surfaces do with the rays of a line over a lobe, and what is looked at there:
+    /// index, depth, place in the search.
+    LobeChain,
 }
 
 /// Streams of their own, with what tells several of them apart.

@@ -19,7 +19,7 @@ pub struct Moving {
     everything: bool,
     mesh: Vec<bool>,
     delta_light: Vec<bool>,
-    /// Around each mesh that moves.
+    /// Around each mesh that moves, and each through which one may be seen.
     boxes: Vec<AlignedBox>,
 }
 
@@ -56,8 +56,11 @@ const MARGIN: f64 = 1e-4;
 impl Moving {
     pub fn new(scene: &Scene, geometry: &Geometry, asked: &SceneDifferential) -> Self {
         let mesh: Vec<bool> = asked.positions.iter().map(Option::is_some).collect();
+        let any = mesh.contains(&true);
+        // Anything may be seen through smooth surfaces.
+        let is_smooth = |m: usize| scene.materials[scene.meshes[m].material].bsdf.is_smooth();
         let boxes = (0..mesh.len())
-            .filter(|&m| mesh[m])
+            .filter(|&m| mesh[m] || (any && is_smooth(m)))
             .map(|m| {
                 let vertices = geometry.first_vertex[m]..geometry.first_vertex[m + 1];
                 let all = &geometry.positions[vertices.start as usize..vertices.end as usize];

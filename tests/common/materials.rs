@@ -27,6 +27,12 @@ pub trait Paint {
     fn masked(self, id: &str, opacity: f32) -> Self;
     /// What it is made of, blended with a wide metal.
     fn blended(self, id: &str, weight: f32) -> Self;
+    /// A smooth metal.
+    fn mirror(self, id: &str) -> Self;
+    /// Smooth glass of index 1.5.
+    fn clear(self, id: &str) -> Self;
+    /// What lets everything through.
+    fn null(self, id: &str) -> Self;
     /// Coloured plastic of index 1.5, rough or smooth.
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self;
     /// A diffuse surface with a picture on it: texture coordinates are x and y.
@@ -61,6 +67,20 @@ fn microfacets(
         alpha: texture(scene, format!("{key}.alpha"), [alpha; 3], 1),
         alpha_v: None,
     }
+}
+
+/// The same without roughness.
+fn polished(mut scene: Scene) -> Scene {
+    if let Some(material) = scene.materials.last_mut() {
+        match &mut material.bsdf {
+            Bsdf::Conductor { microfacets, .. } | Bsdf::Dielectric { microfacets, .. } => {
+                *microfacets = None;
+                scene.textures.pop();
+            }
+            _ => {}
+        }
+    }
+    scene
 }
 
 fn paint(mut scene: Scene, id: &str, bsdf: impl FnOnce(&mut Scene, &str) -> Bsdf) -> Scene {
@@ -281,6 +301,18 @@ impl Paint for Scene {
             ),
             microfacets: Some(microfacets(scene, key, alpha, Distribution::Ggx)),
         })
+    }
+
+    fn mirror(self, id: &str) -> Self {
+        polished(self.metal(id, 0.5, Distribution::Ggx))
+    }
+
+    fn clear(self, id: &str) -> Self {
+        polished(self.glass(id, 0.5))
+    }
+
+    fn null(self, id: &str) -> Self {
+        paint(self, id, |_, _| Bsdf::Null)
     }
 
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self {

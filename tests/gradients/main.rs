@@ -5,6 +5,7 @@ mod analytic_irradiance;
 mod analytic_shadow;
 mod analytic_sharp_shadow;
 mod black;
+mod chains;
 mod determinism;
 mod edges;
 mod finite_differences;

@@ -149,7 +149,10 @@ impl<'a, C: Cell> LineSearch<'a, C> {
                 cell,
             }
         };
-        Ok(found.map(|crossing| crossing.map(candidate)))
+        Ok(found.map(|crossing| {
+            let counts = crossing.filter(|crossing| !self.scene.is_bare_facet(crossing));
+            counts.map(candidate)
+        }))
     }
 
     /// Looks on both sides of each candidate and keeps those at which the radiance jumps. Returns

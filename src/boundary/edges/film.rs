@@ -13,7 +13,7 @@ use crate::boundary::probe::Sides;
 use crate::discontinuity::boundary::{Boundary, dvec3};
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
 use crate::paths::film::camera::Camera;
@@ -225,6 +225,7 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                     out.counts.boundary_not_finite += 1;
                 } else if brings != DVec3::ZERO {
                     out.samples.push(BoundarySample {
+                        chain: NO_CHAIN,
                         boundary: point.boundary,
                         lane: 0,
                         at: Coordinate::Film(point.at.to_array()),

@@ -9,7 +9,7 @@ use crate::discontinuity::boundary::vector;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::LightDraw;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
@@ -188,6 +188,7 @@ fn push(
         out.counts.boundary_not_finite += 1;
     } else if brings != DVec3::ZERO {
         out.samples.push(BoundarySample {
+            chain: NO_CHAIN,
             boundary: point.boundary,
             lane: lane as u8,
             at: place,

@@ -10,7 +10,7 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::crossing::Kind;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::integrator::Start;
@@ -160,6 +160,7 @@ fn push(
         out.counts.boundary_not_finite += 1;
     } else if brings != glam::DVec3::ZERO {
         out.samples.push(BoundarySample {
+            chain: NO_CHAIN,
             boundary: point.boundary,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),

@@ -13,7 +13,8 @@ use crate::kernels::bsdf::{RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::triangle::triangle_point;
 use crate::lanes::{LANES, Lane, V3};
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Shadow};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
+use crate::paths::chain::ChainVertex;
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::store::TileStore;
@@ -28,6 +29,13 @@ struct LaneBars {
     n: Vec3,
     direction: Vec3,
     eta: f32,
+}
+
+/// A boundary sample, the chain through which it is seen, and the cotangent of its F.
+pub(crate) struct Seen<'a> {
+    sample: &'a BoundarySample,
+    chain: &'a [ChainVertex],
+    bar: f64,
 }
 
 impl BackwardSweep<'_> {
@@ -48,14 +56,15 @@ impl BackwardSweep<'_> {
         for sample in samples {
             let lane = sample.lane as usize;
             let bar = side_bar(lane_of(radiance_bar, lane), sample);
+            let seen = Seen {
+                sample,
+                chain: store.found.chain(sample),
+                bar,
+            };
             let added = match sample.at {
-                Coordinate::Light { patch, at } => {
-                    self.on_light(sample, here, (patch, at), bar, sums)
-                }
-                Coordinate::Environment(d) => {
-                    self.on_environment(sample, here, d.into(), bar, sums)
-                }
-                Coordinate::Lobe(local) => self.on_lobe(sample, here, local, bar, sums),
+                Coordinate::Light { patch, at } => self.on_light(&seen, here, (patch, at), sums),
+                Coordinate::Environment(d) => self.on_environment(&seen, here, d.into(), sums),
+                Coordinate::Lobe(local) => self.on_lobe(&seen, here, local, sums),
                 Coordinate::Film(_) => LaneBars::default(),
             };
             let sum = &mut lanes[lane];
@@ -70,9 +79,20 @@ impl BackwardSweep<'_> {
         bars.interface.eta.x += Lane::new(lanes.map(|l| l.eta));
     }
 
-    /// Cotangents of origin and direction of a ray from that of F; those of vertices and of delta
-    /// lights are added.
-    fn side(
+    /// Cotangents of origin and direction from that of F; those of vertices, of what the chain
+    /// meets, too, are added.
+    fn side(&self, seen: &Seen, x: DVec3, d: DVec3, sums: &mut TileSums) -> (DVec3, DVec3) {
+        let rays = self.along(seen.chain, (x, d));
+        let (x, d) = rays[seen.chain.len()];
+        let mut bars = self.side_at_end(seen.sample, x, d, seen.bar, sums);
+        for (vertex, &ray) in seen.chain.iter().zip(&rays).rev() {
+            bars = self.back_through(vertex, ray, bars, sums);
+        }
+        bars
+    }
+
+    /// The same of the ray at the chain's end; those of delta lights are added, too.
+    fn side_at_end(
         &self,
         sample: &BoundarySample,
         x: DVec3,
@@ -124,13 +144,12 @@ impl BackwardSweep<'_> {
 
     fn on_light(
         &self,
-        sample: &BoundarySample,
+        seen: &Seen,
         here: &Solved,
         (patch, at): (u32, [f64; 2]),
-        bar: f64,
         sums: &mut TileSums,
     ) -> LaneBars {
-        let x = lane_of(here.x, sample.lane as usize).as_dvec3();
+        let x = lane_of(here.x, seen.sample.lane as usize).as_dvec3();
         let geometry = self.view.geometry;
         let [s, r] = at.map(|x| x as f32);
         let (ids, [b1, b2]) = self.view.lights.patches[patch as usize].vertices_at(s, r);
@@ -140,7 +159,7 @@ impl BackwardSweep<'_> {
             .zip(b)
             .map(|(&v, b)| geometry.positions[v as usize].as_dvec3() * b)
             .sum();
-        let (o_bar, d_bar) = self.side(sample, x, y - x, bar, sums);
+        let (o_bar, d_bar) = self.side(seen, x, y - x, sums);
         for (&v, b) in ids.iter().zip(b) {
             self.scatter_vertex(v, d_bar * b, sums);
         }
@@ -152,14 +171,13 @@ impl BackwardSweep<'_> {
 
     fn on_environment(
         &self,
-        sample: &BoundarySample,
+        seen: &Seen,
         here: &Solved,
         d: DVec3,
-        bar: f64,
         sums: &mut TileSums,
     ) -> LaneBars {
-        let x = lane_of(here.x, sample.lane as usize).as_dvec3();
-        let (o_bar, d_bar) = self.side(sample, x, d, bar, sums);
+        let x = lane_of(here.x, seen.sample.lane as usize).as_dvec3();
+        let (o_bar, d_bar) = self.side(seen, x, d, sums);
         // The direction turns with the map by ω × d.
         let turn = d.cross(d_bar);
         if self.wanted.environment {
@@ -174,13 +192,12 @@ impl BackwardSweep<'_> {
 
     fn on_lobe(
         &self,
-        sample: &BoundarySample,
+        seen: &Seen,
         here: &Solved,
         local: [f64; 3],
-        bar: f64,
         sums: &mut TileSums,
     ) -> LaneBars {
-        let lane = sample.lane as usize;
+        let lane = seen.sample.lane as usize;
         let x = lane_of(here.x, lane).as_dvec3();
         let n = vector(lane_of(here.n, lane).as_dvec3());
         let local = vector(local.into());
@@ -189,7 +206,7 @@ impl BackwardSweep<'_> {
             Some(s) if vertices.lobes.diffuse >> lane & 1 == 0 => interface_of_lane(s, lane),
             _ => {
                 let d = dvec3(direction_from_local(n, local));
-                let (o_bar, d_bar) = self.side(sample, x, d, bar, sums);
+                let (o_bar, d_bar) = self.side(seen, x, d, sums);
                 let (n_bar, _) = direction_from_local_adjoint(n, local, vector(d_bar));
                 return LaneBars {
                     x: sums.admitted(o_bar).as_vec3(),
@@ -205,7 +222,7 @@ impl BackwardSweep<'_> {
             vertices.kinds.masks_of_lane(lane),
         );
         let (d, _) = bsdf_sample(n, arriving, local, interface, none, lobes, kinds);
-        let (o_bar, d_bar) = self.side(sample, x, dvec3(d), bar, sums);
+        let (o_bar, d_bar) = self.side(seen, x, dvec3(d), sums);
         let no_weight = V3::splat(0.0);
         let (n_bar, direction_bar, _, s_bar, _) = bsdf_sample_adjoint(
             n,
@@ -227,14 +244,24 @@ impl BackwardSweep<'_> {
     }
 
     /// A boundary sample of the film, with the cotangent of what it adds at its place.
-    pub fn add_film_boundary(&self, sample: &BoundarySample, bar: Rgb, sums: &mut TileSums) {
+    pub fn add_film_boundary(
+        &self,
+        found: &Found,
+        sample: &BoundarySample,
+        bar: Rgb,
+        sums: &mut TileSums,
+    ) {
         let Coordinate::Film([u, v]) = sample.at else {
             return;
         };
         let camera = &self.view.camera;
-        let bar = side_bar(bar.into(), sample);
+        let seen = Seen {
+            sample,
+            chain: found.chain(sample),
+            bar: side_bar(bar.into(), sample),
+        };
         let d = dvec3(camera.direction(u, v));
-        let (o_bar, d_bar) = self.side(sample, camera.origin.as_dvec3(), d, bar, sums);
+        let (o_bar, d_bar) = self.side(&seen, camera.origin.as_dvec3(), d, sums);
         let film_bar = self.camera_ray([u, v], o_bar, d_bar, sums);
         if let Some(drift) = self.drift {
             sums.add_drift(drift, [u, v], film_bar, 0.0);

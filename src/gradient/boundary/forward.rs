@@ -9,7 +9,8 @@ use crate::kernels::frame::direction_from_local;
 use crate::kernels::silhouette::edge_side;
 use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Shadow};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
+use crate::paths::chain::through;
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::splat;
 use crate::scene::{DeltaLightKind, Rgb};
@@ -19,7 +20,12 @@ type D = Dual<f64>;
 
 impl ForwardSweep<'_> {
     /// What a boundary sample of a vertex brings: its weight times Ḟ.
-    pub(crate) fn boundary(&self, sample: &BoundarySample, here: &MovingVertex) -> Rgb {
+    pub(crate) fn boundary(
+        &self,
+        found: &Found,
+        sample: &BoundarySample,
+        here: &MovingVertex,
+    ) -> Rgb {
         let lane = sample.lane as usize;
         let x = dual_lane(here.x, lane);
         let direction = match sample.at {
@@ -36,17 +42,16 @@ impl ForwardSweep<'_> {
             Coordinate::Lobe(local) => self.direction_at(here, lane, local),
             Coordinate::Film(_) => return [0.0; 3],
         };
-        self.weighed(sample, x, direction)
+        self.weighed(found, sample, (x, direction))
     }
 
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
     /// drifts there with this velocity.
-    pub fn film_boundary(&self, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
+    pub fn film_boundary(&self, found: &Found, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
         let Coordinate::Film(at) = sample.at else {
             return [0.0; 3];
         };
-        let (origin, d) = self.moving_camera_ray(at, drift);
-        self.weighed(sample, origin, d)
+        self.weighed(found, sample, self.moving_camera_ray(at, drift))
     }
 
     /// The camera's ray through a film point with this velocity.
@@ -77,9 +82,16 @@ impl ForwardSweep<'_> {
         })
     }
 
-    /// The weight times Ḟ, on the ray from `x` along `direction`.
-    fn weighed(&self, sample: &BoundarySample, x: V3<D>, direction: V3<D>) -> Rgb {
-        let point = |v| self.motion.point(self.view.geometry, v);
+    /// The weight times Ḟ, seen along a ray.
+    fn weighed(&self, found: &Found, sample: &BoundarySample, ray: (V3<D>, V3<D>)) -> Rgb {
+        let view = self.view;
+        let point = |v| self.motion.point(view.geometry, v);
+        let normal = |v| self.motion.normal(view.geometry, v);
+        let eta = |texture| D {
+            value: f64::from(view.scene.constant(texture)[0]),
+            tangent: f64::from(self.motion.texel(texture)[0]),
+        };
+        let (x, direction) = through(view, found.chain(sample), ray, point, normal, eta);
         let (x, direction) = match &sample.shadow {
             Some(shadow) => self.toward_delta_light(shadow, x, direction),
             None => (x, direction),

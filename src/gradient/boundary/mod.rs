@@ -1,4 +1,5 @@
 //! What moving boundaries bring.
 
 mod backward;
+mod chain;
 mod forward;

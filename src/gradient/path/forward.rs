@@ -139,7 +139,7 @@ impl<'a> ForwardSweep<'a> {
         }
         sum = sum + self.delta_lights(store, &here);
         for sample in store.boundary(vertices) {
-            sum = add_lane(sum, sample.lane, self.boundary(sample, &here));
+            sum = add_lane(sum, sample.lane, self.boundary(&store.found, sample, &here));
         }
         let (direction, weight) = self.bounce(&here);
         chain.origin = here.x;

@@ -143,6 +143,13 @@ impl Motion {
         }
     }
 
+    /// A vertex's shading normal, with how it turns.
+    pub fn normal(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
+        let n = geometry.normals[vertex as usize];
+        let turning = self.normals.get(vertex as usize).copied();
+        dual_vector(splat(n), splat(turning.unwrap_or(Vec3::ZERO)))
+    }
+
     /// The corners of a triangle in each lane with their velocities.
     pub fn corners(&self, geometry: &Geometry, corners: &[[u32; 3]; LANES]) -> [V3<Dual<Lane>>; 3] {
         join(

@@ -53,6 +53,11 @@ impl Kinds {
         self.principled | self.grained
     }
 
+    /// Lanes that see the world along a deterministic map of the ray, at least in part.
+    pub fn in_chains(&self) -> u32 {
+        self.smooth | self.null
+    }
+
     /// Lanes with a lobe too narrow for light samples: lights are seen in it along bounces alone.
     pub fn seen_along_bounces(&self) -> u32 {
         self.special() & (!self.wide | self.principled)

@@ -64,6 +64,8 @@ pub struct MaterialTable {
     pub any_relief: bool,
     /// Whether any interface is smooth: its reflections are sharp.
     pub any_smooth: bool,
+    /// Whether the world is seen through any surface along a deterministic map of the ray.
+    pub any_chains: bool,
 }
 
 impl MaterialTable {
@@ -97,6 +99,7 @@ impl MaterialTable {
             any_special: used.clone().any(|e| e.kinds.special() != 0),
             any_relief: used.clone().any(|e| e.relief.is_some()),
             any_smooth: used.clone().any(|e| e.kinds.smooth != 0),
+            any_chains: used.clone().any(|e| e.kinds.in_chains() != 0),
             any_texture: used.clone().any(textures),
             any_choice: scene.meshes.iter().any(|m| !parts[m.material].is_empty()),
             parts,
@@ -107,6 +110,11 @@ impl MaterialTable {
     /// A material that is one thing.
     pub fn entry(&self, material: usize) -> &Entry {
         &self.entries[material]
+    }
+
+    /// That of a mesh; of one that is made of several nothing that rays go through.
+    pub fn of_mesh(&self, scene: &Scene, mesh: usize) -> &Entry {
+        self.entry(scene.meshes[mesh].material)
     }
 
     /// What a material is made of; empty if it is one thing.

@@ -171,6 +171,19 @@ pub enum Distribution {
 }
 
 impl Bsdf {
+    /// Whether the world is seen through it along a deterministic map of the ray, at least in part.
+    pub fn is_smooth(&self) -> bool {
+        match self {
+            Bsdf::Diffuse { .. } | Bsdf::Principled(_) | Bsdf::Mask { .. } | Bsdf::Blend { .. } => {
+                false
+            }
+            Bsdf::Conductor { microfacets, .. }
+            | Bsdf::Dielectric { microfacets, .. }
+            | Bsdf::Plastic { microfacets, .. } => microfacets.is_none(),
+            Bsdf::ThinDielectric { .. } | Bsdf::Null => true,
+        }
+    }
+
     /// The texture of its main colour.
     pub fn colour(&self) -> Option<usize> {
         match *self {

@@ -12,7 +12,7 @@ use crate::boundary::shadows::{ShadowLine, Shadows, chance_of_any};
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::dimensions::{Pair, Single};
 use crate::paths::environment::distribution::{MapDistribution, Meridian};
 use crate::paths::moving::Sector;
@@ -183,6 +183,7 @@ impl<'a> MapLines<'a> {
             shadow: None,
             lane: lane as u8,
             at: Coordinate::Environment(d.to_array()),
+            chain: NO_CHAIN,
             weight: brings.as_vec3().to_array(),
         });
     }

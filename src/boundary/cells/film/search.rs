@@ -15,12 +15,13 @@ use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
 use super::weights::{self, ROUNDS};
 use super::{shadow_border, shadows, terminators};
+use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::velocity_per_side;
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
@@ -65,6 +66,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         let in_crowd = crowds.contain(met.cell.position(met.s), counts);
         out.samples.extend(sample(&cells, &met, in_crowd));
     }
+    chain::film::find(&cells, &stream, out);
     if film.image.hidden.is_empty() {
         return;
     }
@@ -173,6 +175,7 @@ fn sample(cells: &LatticeCells, met: &Jump<FilmCell>, in_crowd: bool) -> Option<
         shadow: None,
         lane: 0,
         at: Coordinate::Film(at),
+        chain: NO_CHAIN,
         weight: weight.as_vec3().to_array(),
     })
 }

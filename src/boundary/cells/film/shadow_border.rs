@@ -7,7 +7,7 @@ use crate::boundary::cells::delta::value::brought;
 use crate::boundary::cells::line_search::Cell;
 use crate::discontinuity::boundary::{Boundary, velocity_per_side};
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Shadow};
 use crate::paths::counts::Counts;
 use crate::paths::rays::from_lanes;
 use glam::{DVec3, Vec3};
@@ -104,6 +104,7 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
     let weight = jump * (velocity * cells.film.tile.step[1 - axis]);
     Some(BoundarySample {
+        chain: NO_CHAIN,
         boundary,
         shadow: (!is_own).then_some(shadow),
         lane: 0,

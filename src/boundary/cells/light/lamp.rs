@@ -19,7 +19,7 @@ use crate::discontinuity::boundary::{Boundary, vector};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::counts::Counts;
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::lamp::Lamp;
@@ -244,6 +244,7 @@ impl<'a> LampLine<'a> {
             shadow: None,
             lane: lane as u8,
             at: Coordinate::Light { patch, at: place },
+            chain: NO_CHAIN,
             weight: brings.as_vec3().to_array(),
         })
     }

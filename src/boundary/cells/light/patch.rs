@@ -21,7 +21,7 @@ use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
 use crate::kernels::light::triangle_irradiance;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::estimator::LightDraw;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
@@ -238,6 +238,7 @@ impl LightLine<'_> {
                 patch: self.patch,
                 at,
             },
+            chain: NO_CHAIN,
             weight: self.radiance_per_side(boundary, at, jump),
         }
     }

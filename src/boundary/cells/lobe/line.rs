@@ -389,8 +389,20 @@ impl Line {
         chance_of_any(to - from, extra)
     }
 
+    /// The ψ of a place.
+    pub fn at_place(&self, place: f64) -> f64 {
+        let part = place / INNER_POINTS as f64;
+        match self.spread {
+            Spread::Diffuse => (part - 0.5) * PI,
+            Spread::Lobe { width } => {
+                let q = 2.0 * part - 1.0;
+                width * q / (1.0 - q * q).max(1e-12).sqrt()
+            }
+        }
+    }
+
     /// Of a ψ in distances of the jittered points.
-    fn place(&self, psi: f64) -> f64 {
+    pub fn place(&self, psi: f64) -> f64 {
         let part = match self.spread {
             Spread::Diffuse => psi * FRAC_1_PI + 0.5,
             Spread::Lobe { width } => 0.5 * (psi / psi.hypot(width) + 1.0),

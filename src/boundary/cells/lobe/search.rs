@@ -5,6 +5,7 @@ use super::cell::LobeCell;
 use super::line::{LaneSurface, Line};
 use super::shadows;
 use super::vertex::{Border, FAMILIES, LobeSearch};
+use crate::boundary::cells::chain::{self, lobe::Probes};
 use crate::boundary::cells::line_search::{Cell, LineSearch};
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::boundary::occlusion::SurfacePoint;
@@ -66,6 +67,9 @@ fn silhouettes(
 ) {
     let (scene, here, line) = (search.scene, search.at, part.line);
     let from_here = FromHere { line, point };
+    let first = cells.first().map(|cell| cell.triangles()[0]);
+    let after = cells.iter().map(|cell| cell.triangles()[1]);
+    let seen: Vec<u32> = first.into_iter().chain(after).collect();
     let mut on_line = LineSearch::new(scene, &mut search.out.counts);
     let mut found = Vec::new();
     for (i, cell) in cells.iter().enumerate() {
@@ -96,6 +100,12 @@ fn silhouettes(
         let border = Border::seen(met.boundary);
         search.push(at, line, border, line.direction(psi), jump);
     }
+    let probes = Probes {
+        stream: way.stream,
+        index: way.index,
+        weight: FAMILIES * way.weight,
+    };
+    chain::lobe::find(search, at, (line, &seen), &probes);
 }
 
 /// The jump where a line crosses the plane of the triangle it starts on, which turns with the

@@ -58,6 +58,7 @@ pub fn find(
             let jump = brought * (met.jump * FAMILIES * weight);
             if jump != DVec3::ZERO {
                 let border = Border {
+                    chain: &[],
                     boundary: met.boundary,
                     shadow: Some(met.shadow),
                 };

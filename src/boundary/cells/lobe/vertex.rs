@@ -7,12 +7,14 @@
 //! cells.
 
 use super::line::{LaneSurface, Line};
+use crate::boundary::cells::chain::follow::normal_through;
 use crate::boundary::cells::delta::receiver;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
+use crate::paths::chain::ChainVertex;
 use crate::paths::estimator::Bounce;
 use crate::paths::rays::lane_of;
 use glam::DVec3;
@@ -33,19 +35,27 @@ pub struct LobeSearch<'a> {
     pub out: &'a mut Found,
 }
 
-/// What jumps in a direction: a boundary that is seen there, or that of a shadow on what is seen.
+/// What jumps in a direction: a boundary that is seen there, or through a chain of smooth surfaces,
+/// or that of a shadow on what is seen.
 #[derive(Clone, Copy)]
-pub struct Border {
+pub struct Border<'a> {
     pub boundary: Boundary,
     pub shadow: Option<Shadow>,
+    pub chain: &'a [ChainVertex],
 }
 
-impl Border {
+impl<'a> Border<'a> {
     /// One that is seen.
     pub fn seen(boundary: Boundary) -> Self {
+        Self::through(boundary, &[])
+    }
+
+    /// One that is seen through a chain.
+    pub fn through(boundary: Boundary, chain: &'a [ChainVertex]) -> Self {
         Self {
             boundary,
             shadow: None,
+            chain,
         }
     }
 }
@@ -64,12 +74,16 @@ impl LobeSearch<'_> {
         self.at.vertices.moves >> lane & 1 == 1 || moving.meets(&line.sector(x, at))
     }
 
-    /// Keeps what jumps by `jump` in a direction on a line.
+    /// Keeps what jumps by `jump` in a direction on a line, seen through a chain if there is one.
     pub fn push(
         &mut self,
         at: &mut LaneSurface,
         line: &Line,
-        Border { boundary, shadow }: Border,
+        Border {
+            boundary,
+            shadow,
+            chain,
+        }: Border,
         direction: DVec3,
         jump: DVec3,
     ) {
@@ -83,12 +97,15 @@ impl LobeSearch<'_> {
                 receiver::normal(self.scene, &boundary, shadow, x, direction),
             ),
             None => {
-                let boundary = if self.scene.is_small(&boundary, x) {
+                let boundary = if chain.is_empty() && self.scene.is_small(&boundary, x) {
                     line.family.of_point(boundary, geometry, x, direction)
                 } else {
                     boundary
                 };
-                (boundary, boundary.normal(geometry, x))
+                (
+                    boundary,
+                    normal_through(self.scene.view, chain, &boundary, x, direction),
+                )
             }
         };
         let (Some((local, value)), Some(weight)) = (
@@ -106,11 +123,13 @@ impl LobeSearch<'_> {
             self.out.counts.boundary_not_finite += 1;
             return;
         }
+        let chain = self.out.add_chain(chain);
         self.out.samples.push(BoundarySample {
             boundary,
             shadow,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
+            chain,
             weight: radiance.as_vec3().to_array(),
         });
     }

@@ -1,0 +1,149 @@
+//! Where a border behind smooth surfaces really is.
+
+use super::follow::{FirstRays, Followed};
+use super::search::{Border, ChainSearch, Way};
+use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint};
+use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::paths::rays::OFFSET;
+use glam::Vec3;
+
+/// Steps toward a border along a chain.
+const STEPS: u32 = 24;
+/// How near to where rays change sides of a plane to look, in parts of an interval.
+const OWN_PLANE: f64 = 1e-4;
+
+impl<R: FirstRays> ChainSearch<'_, R> {
+    /// Where a crossing really is, and what is seen beside it.
+    pub(super) fn border(
+        &mut self,
+        ends: [&Followed; 2],
+        crossing: &Crossing,
+        way: &Way,
+    ) -> Option<Border> {
+        let (at, slope) = self.root(ends, crossing, way)?;
+        let beside = self.beside(&at, crossing, slope);
+        let view = self.scene.view;
+        let places = [at.s - beside, at.s + beside];
+        let [before, after] =
+            places.map(|s| Followed::new(view, self.rays, s, &way.bends, self.counts));
+        Some(Border {
+            at,
+            sides: [before?, after?],
+        })
+    }
+
+    /// Where rays change sides of the plane of the triangle that bends them last: within it, or
+    /// where the next one begins.
+    pub(super) fn own_plane(
+        &mut self,
+        ends: [&Followed; 2],
+        way: &Way,
+    ) -> Option<(Crossing, Border)> {
+        let view = self.scene.view;
+        let [mut a, mut b] = ends.map(Followed::clone);
+        let length = b.s - a.s;
+        while b.s - a.s > OWN_PLANE * length {
+            let middle = 0.5 * (a.s + b.s);
+            let m = Followed::new(view, self.rays, middle, &way.bends, self.counts)?;
+            let end = if m.leaks == a.leaks { &mut a } else { &mut b };
+            *end = m;
+        }
+        let [t, u] = [&a, &b].map(|end| end.chain.last().map(|v| v.triangle));
+        let (t, u) = (t?, u?);
+        let corners = view.geometry.triangles[t as usize];
+        let mut at = a.clone();
+        let edge = if t == u {
+            let point = SurfacePoint {
+                x: at.origin.as_vec3(),
+                geometric: Vec3::ZERO,
+                triangle: t,
+            };
+            point.plane_edge(view)
+        } else {
+            at.chain.pop();
+            let corner = (0..3).find(|&corner| {
+                let across = self.scene.adjacency.across(t, corner);
+                across.is_some_and(|across| across.triangle == u)
+            })?;
+            [corners[corner], corners[(corner + 1) % 3]]
+        };
+        let boundary = Boundary::Edge(edge);
+        let crossing = Crossing::new(boundary, Kind::FacetEdge, 0.0);
+        Some((crossing, Border { at, sides: [a, b] }))
+    }
+
+    /// The root of F along the chain near where rays that are not bent otherwise have it, and its
+    /// slope there.
+    fn root(
+        &mut self,
+        [a, b]: [&Followed; 2],
+        crossing: &Crossing,
+        way: &Way,
+    ) -> Option<(Followed, f64)> {
+        let (scene, rays) = (self.scene, self.rays);
+        let boundary = &crossing.boundary;
+        let length = b.s - a.s;
+        let [mut low, mut high] = [a, b].map(|end| (end.s, end.side(scene, boundary)));
+        let is_bracketed = low.1 * high.1 < 0.0;
+        let mut s = a.s + crossing.s.clamp(0.0, 1.0) * length;
+        let mut last: Option<(f64, f64)> = None;
+        for step in 0..STEPS {
+            let here = Followed::new(scene.view, rays, s, &way.bends, self.counts)?;
+            let side = here.side(scene, boundary);
+            // The slope between the last two places; at first between the ends, or a little beside.
+            let slope = match last {
+                Some((t, f)) if t != s => (side - f) / (s - t),
+                _ if is_bracketed => (high.1 - low.1) / (high.0 - low.0),
+                _ => {
+                    let t = if s < a.s + 0.5 * length { 1.0 } else { -1.0 };
+                    let t = s + 1e-3 * t * length;
+                    let beside = Followed::new(scene.view, rays, t, &way.bends, self.counts)?;
+                    (beside.side(scene, boundary) - side) / (t - s)
+                }
+            };
+            if slope == 0.0 || !slope.is_finite() {
+                return None;
+            }
+            let enough = 0.02 * self.beside(&here, crossing, slope);
+            if step > 0 && (side / slope).abs() <= enough {
+                return Some((here, slope));
+            }
+            last = Some((s, side));
+            let mut next = s - side / slope;
+            if is_bracketed {
+                *(if side * low.1 > 0.0 {
+                    &mut low
+                } else {
+                    &mut high
+                }) = (s, side);
+                let inside = next > low.0.min(high.0) && next < low.0.max(high.0);
+                if !inside || step % 4 == 3 {
+                    next = 0.5 * (low.0 + high.0);
+                }
+            }
+            if !(a.s - 1e-3 * length..=b.s + 1e-3 * length).contains(&next) {
+                return None;
+            }
+            s = next;
+        }
+        None
+    }
+
+    /// How far beside a border to look: as near as single precision lets.
+    fn beside(&self, at: &Followed, crossing: &Crossing, slope: f64) -> f64 {
+        let Boundary::Edge(edge) = crossing.boundary else {
+            return PROBE;
+        };
+        let [p, q] = edge.map(|v| self.scene.view.geometry.positions[v as usize].as_dvec3());
+        let point = p.midpoint(q);
+        let room = point.abs().max_element() + 1.0;
+        let distance = if crossing.kind == Kind::ThinSilhouette {
+            10.0 * f64::from(OFFSET) * room
+        } else {
+            NEAREST * (room + point.distance(at.origin))
+        };
+        let per_distance = at.direction.cross(q - p).length();
+        (distance * per_distance / slope.abs()).min(PROBE)
+    }
+}

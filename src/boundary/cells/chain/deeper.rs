@@ -1,0 +1,154 @@
+//! From what a part of a line sees to what it sees beyond that.
+
+use super::follow::{FirstRays, Followed};
+use super::search::{ChainSearch, Points, Run, Way};
+use crate::discontinuity::between::HALVINGS;
+use crate::paths::chain::{Bend, LEAST_CHANCE};
+
+impl<R: FirstRays> ChainSearch<'_, R> {
+    /// Follows rays that see one smooth surface beyond it.
+    pub(super) fn deeper(&mut self, run: Run, way: &Way) {
+        let view = self.scene.view;
+        let number = way.bends.len() as u32;
+        let Some(ends) = run.ends() else { return };
+        let is_smooth = |ray: &Followed| {
+            Followed::is_smooth(view, ray.triangle)
+                && ray.meeting(view).is_some_and(|m| m.is_smooth())
+        };
+        // The next vertex has to be reached, and to be seen.
+        if ends[0] >= ends[1]
+            || !run.rays.iter().all(is_smooth)
+            || self.depth + number + 2 > view.limits.max_depth
+        {
+            return;
+        }
+        let mut here = way.clone();
+        here.met = match run.is_open {
+            [false, false] => self.chance(ends, way),
+            _ => way.met,
+        };
+        let mut rays = run.rays;
+        if let (Some(count), 0) = (self.new_points, number) {
+            rays = self.put_anew(rays, ends, count, &here);
+            here.points = Points::New {
+                ends,
+                count: f64::from(count),
+                chance: here.met,
+            };
+        }
+        let chances = rays.iter().filter_map(|ray| ray.meeting(view));
+        let chances: Vec<_> = chances.map(|m| m.chances()).collect();
+        let mean = |i: usize| chances.iter().map(|c| c[i].1).sum::<f64>() / chances.len() as f64;
+        let bends = [0, 1].map(|i| chances[0][i].0);
+        let [mut chance, mut other] = [mean(0), mean(1)];
+        if self.splits_first && number == 0 {
+            for (bend, chance) in bends.into_iter().zip([chance, other]) {
+                if chance > 0.0 {
+                    self.follow(rays.clone(), &here, bend, 1.0);
+                }
+            }
+            return;
+        }
+        if chance > 0.0 && other > 0.0 {
+            chance = (chance / (chance + other)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE);
+            other = 1.0 - chance;
+        }
+        let random = self.draw();
+        if random < chance {
+            self.follow(rays, &here, bends[0], chance);
+        } else if random < chance + other {
+            self.follow(rays, &here, bends[1], other);
+        }
+    }
+
+    /// Other rays between the first and the last.
+    fn put_anew(
+        &mut self,
+        mut rays: Vec<Followed>,
+        ends: [f64; 2],
+        count: u32,
+        way: &Way,
+    ) -> Vec<Followed> {
+        let jitter = self.draw();
+        let [from, to] = ends.map(|s| self.rays.place(s));
+        let last = rays.pop();
+        rays.truncate(1);
+        for k in 0..count {
+            let part = (f64::from(k) + jitter) / f64::from(count);
+            let s = self.rays.at_place(from + (to - from) * part);
+            let view = self.scene.view;
+            let ray = Followed::new(view, self.rays, s, &way.bends, self.counts);
+            rays.extend(ray.filter(|ray| {
+                Followed::is_smooth(view, ray.triangle) && ends[0] < s && s < ends[1]
+            }));
+        }
+        rays.extend(last);
+        rays
+    }
+
+    /// Follows rays that are bent so, which is done with this chance.
+    fn follow(&mut self, rays: Vec<Followed>, way: &Way, bend: Bend, chance: f64) {
+        let view = self.scene.view;
+        let number = way.bends.len() as u32;
+        let mut next = way.clone();
+        next.bends.push(bend);
+        next.inverse_chance /= chance;
+        if self.depth + number + 1 >= view.limits.rr_depth {
+            let brightest = rays.iter().map(|ray| ray.weight.max_element());
+            let brightest = brightest.fold(0.0, f64::max) * next.inverse_chance;
+            let survives = brightest.min(0.95);
+            if self.draw() >= survives {
+                return;
+            }
+            next.inverse_chance /= survives;
+        }
+        for rays in self.where_bent(rays, bend, way) {
+            let rays = rays.into_iter();
+            let on: Vec<_> = rays
+                .filter_map(|ray| ray.on(view, bend, self.counts))
+                .collect();
+            if on.len() > 1 {
+                self.look_between(on, &next);
+            }
+        }
+    }
+
+    /// The parts of a run in which what it sees bends rays so: beyond the angle of total reflection
+    /// nothing is refracted.
+    fn where_bent(&mut self, rays: Vec<Followed>, bend: Bend, way: &Way) -> Vec<Vec<Followed>> {
+        let view = self.scene.view;
+        let passes = |ray: &Followed| ray.meeting(view).is_some_and(|m| m.bent(bend).is_some());
+        let mut parts: Vec<Vec<Followed>> = vec![Vec::new()];
+        let mut last: Option<(Followed, bool)> = None;
+        for ray in rays {
+            let now = passes(&ray);
+            if let Some((before, did)) = last
+                && did != now
+            {
+                let (mut passing, mut other) = if did {
+                    (before, ray.s)
+                } else {
+                    (ray.clone(), before.s)
+                };
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (passing.s + other);
+                    match Followed::new(view, self.rays, middle, &way.bends, self.counts) {
+                        Some(ray) if passes(&ray) => passing = ray,
+                        _ => other = middle,
+                    }
+                }
+                if let (true, Some(part)) = (did, parts.last_mut()) {
+                    part.push(passing);
+                    parts.push(Vec::new());
+                } else {
+                    parts.push(vec![passing]);
+                }
+            }
+            if let (true, Some(part)) = (now, parts.last_mut()) {
+                part.push(ray.clone());
+            }
+            last = Some((ray, now));
+        }
+        parts
+    }
+}

@@ -1,0 +1,57 @@
+//! Looking on both sides of borders that are seen through chains.
+
+use super::search::Found;
+use crate::boundary::probe::Sides;
+use crate::boundary::search_scene::SearchScene;
+use crate::lanes::LANES;
+use crate::paths::counts::Counts;
+use crate::paths::integrator::Start;
+use crate::paths::random::Stream;
+use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use glam::{DVec3, Vec3};
+
+/// The jump at each of some borders, up to `LANES / 2` behind as many smooth surfaces each, whose first rays
+/// lead to vertex `depth`. `index` are the sample indices of
+/// what looks there.
+pub fn jumps(
+    scene: &SearchScene,
+    borders: &[&Found],
+    depth: u32,
+    (stream, index): (&Stream, &[u32; LANES]),
+    counts: &mut Counts,
+) -> Vec<DVec3> {
+    let mut origins = [Vec3::ZERO; LANES];
+    let mut directions = [Vec3::Z; LANES];
+    let mut sides = Sides::default();
+    for (i, border) in borders.iter().enumerate() {
+        for (k, (origin, direction)) in border.sides.iter().enumerate() {
+            origins[2 * i + k] = origin.as_vec3();
+            directions[2 * i + k] = direction.as_vec3();
+        }
+        sides.add(i, true, false);
+    }
+    let start = Start {
+        rays: RayPacket {
+            active: sides.active,
+            origin: from_lanes(&origins),
+            direction: from_lanes(&directions),
+            near: 0.0,
+            far: f32::INFINITY,
+        },
+        depth: depth + borders.first().map_or(0, |b| b.bends as u32),
+        drifts: 0,
+        with_emission: true,
+        between_planes: 0,
+    };
+    let (radiance, _) = scene.probe(start, sides, stream, index, counts);
+    let jump = |(i, border): (usize, &&Found)| {
+        let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
+        let jump = (before - after) * border.weight;
+        if !jump.is_finite() {
+            counts.boundary_not_finite += 1;
+            return DVec3::ZERO;
+        }
+        jump
+    };
+    borders.iter().enumerate().map(jump).collect()
+}

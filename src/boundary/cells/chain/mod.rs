@@ -1,0 +1,10 @@
+//! What jumps behind smooth surfaces: lines of rays are followed through chains (`paths::chain`).
+
+mod border;
+mod cuts;
+mod deeper;
+pub mod film;
+pub mod follow;
+pub mod lobe;
+pub mod look;
+pub mod search;

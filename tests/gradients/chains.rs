@@ -1,0 +1,159 @@
+//! What is seen through smooth surfaces: against the scene unfolded, finite differences, and the
+//! other sweep.
+
+use common::comparison::Interior::Fails;
+use common::comparison::*;
+use common::materials::Paint;
+use common::scenes::*;
+use common::statistics::Agreement;
+use common::transposition::transposed;
+use common::{direction, gradient, settings};
+use glam::{Vec3, vec3};
+use warpath::methods::Method;
+use warpath::scene::Scene;
+
+const MOVED: [f32; 3] = [1.0, 0.0, 0.2];
+/// World units: a tenth of a pixel.
+const STEP: Option<f64> = Some(0.01);
+
+fn checked(scene: &Scene, spp: u32, key: &str, by: &[f32], resolution: f64) {
+    println!("{key}");
+    let parts = [(key, by)];
+    check_to(resolution, scene, &parts, spp, STEP, Fails);
+}
+
+const CORNER: Vec3 = vec3(-0.3, 1.9, 1.1);
+
+/// A black plate before the sky that the camera sees in the floor alone.
+pub fn over_a_mirror() -> Scene {
+    let plate = parallelogram(CORNER, Vec3::X * 0.8, Vec3::Z * 0.7);
+    let scene = small_floor()
+        .solid("plate", plate, [0.0; 3])
+        .constant_environment(SKY);
+    scene.depth(2).mirror("floor")
+}
+
+#[test]
+fn an_edge_in_a_flat_mirror() {
+    let scene = over_a_mirror();
+    checked(&scene, 256, "plate.translation", &MOVED, 0.02);
+    checked(&scene, 256, "floor.rotation", &[0.5, 0.3, 0.0], 0.01);
+    checked(&scene, 256, "cam.translation", &MOVED, 0.01);
+}
+
+/// An edge in a flat mirror that loses no light is one behind it, where the mirror is a window.
+#[test]
+fn a_flat_mirror_is_a_window() {
+    let mut folded = over_a_mirror();
+    for (key, value) in [("eta", 0.0), ("k", 1.0), ("specular_reflectance", 1.0)] {
+        let key = format!("floor.bsdf.{key}");
+        let texture = folded.textures.iter_mut().find(|t| t.key == key);
+        texture.expect("a texture").texels = vec![[value; 3]];
+    }
+    let mut unfolded = small_floor();
+    unfolded.meshes.clear();
+    let behind = vec3(CORNER.x, CORNER.y, -CORNER.z);
+    let plate = parallelogram(behind, Vec3::X * 0.8, Vec3::Z * -0.7);
+    let unfolded = unfolded
+        .solid("plate", plate, [0.0; 3])
+        .constant_environment(SKY)
+        .depth(2);
+    let runs = |scene: &Scene, by: [f32; 3], first: u64| -> Vec<Vec<f64>> {
+        let along = direction(scene, &[("plate.translation", &by)]);
+        let one = |seed| gradient(scene, &settings(scene, Method::Reparam, 256, seed), &along);
+        (first..first + 12).map(one).collect()
+    };
+    let [x, y, z] = MOVED;
+    let ours = Agreement::new(&runs(&folded, MOVED, 1), &runs(&unfolded, [x, y, -z], 1000));
+    println!("{ours:.4?}");
+    assert!(ours.bias.error < 0.005, "{ours:.4?}");
+    assert!(ours.holds(4.0), "{ours:.4?}");
+}
+
+/// A ball of metal or glass between plates before the sky.
+pub fn ball_before_a_plate() -> Scene {
+    let plate = parallelogram(vec3(-0.7, 1.0, -0.4), Vec3::X * 0.9, Vec3::Z * 0.9);
+    let near = parallelogram(vec3(-1.0, -2.0, -0.1), Vec3::X * 0.8, Vec3::Z * 0.9);
+    scene(
+        vec3(0.3, -3.4, 0.9),
+        vec3(0.0, 0.0, 0.0),
+        22.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .smooth("ball", ball(3, Vec3::ZERO, 0.5), [0.5; 3])
+    .solid("plate", plate, [0.0; 3])
+    .solid("near", near, [0.0; 3])
+    .constant_environment(SKY)
+}
+
+#[test]
+fn an_edge_in_a_curved_mirror() {
+    let scene = ball_before_a_plate().depth(2).mirror("ball");
+    checked(&scene, 256, "near.translation", &MOVED, 0.03);
+}
+
+#[test]
+fn an_edge_behind_a_lens() {
+    let scene = ball_before_a_plate().depth(4).clear("ball");
+    checked(&scene, 256, "plate.translation", &MOVED, 0.02);
+    checked(&scene, 256, "ball.translation", &MOVED, 0.02);
+    checked(&scene, 256, "ball.bsdf.eta", &[1.0], 0.02);
+}
+
+#[test]
+fn smooth_plastic() {
+    let scene = close_up().constant_environment(SKY).depth(3);
+    let scene = scene.plastic("floor", None);
+    checked(&scene, 256, "block.translation", &MOVED, 0.01);
+}
+
+#[test]
+fn behind_a_null_surface() {
+    let scene = close_up().constant_environment(SKY).depth(3).null("block");
+    checked(&scene, 256, "block.translation", &MOVED, 0.02);
+    checked(&scene, 256, "cam.translation", &MOVED, 0.01);
+}
+
+/// A checkerboard is seen in a mirror with all its edges.
+#[test]
+fn a_checkerboard_in_a_mirror() {
+    let board = placed(floor(0.6, 0.0), vec3(-90.0, 0.0, 0.0), vec3(0.1, 0.9, 0.7));
+    let scene = small_floor()
+        .solid("board", board, [0.5; 3])
+        .constant_environment(SKY)
+        .checkerboard("board");
+    let scene = scene.depth(3).mirror("floor");
+    checked(&scene, 256, "board.translation", &MOVED, 0.02);
+}
+
+/// Glass, a mirror, smooth plastic and what does nothing, in one room.
+#[test]
+fn transposition() {
+    let block = |at: Vec3| placed(cuboid(Vec3::splat(0.25)), vec3(10.0, 20.0, 30.0), at);
+    let scene = scene(
+        vec3(0.4, -4.0, 2.2),
+        vec3(0.0, 0.0, 0.3),
+        40.0,
+        [12, 10],
+        GAUSSIAN,
+    )
+    .solid("floor", floor(1.5, 0.0), [0.5; 3])
+    .smooth("mirror", ball(2, vec3(0.5, -0.1, 0.4), 0.35), [0.5; 3])
+    .solid("flat", block(vec3(-0.6, 0.4, 0.4)), [0.5; 3])
+    .smooth("glass", ball(2, vec3(-0.2, -0.8, 0.5), 0.3), [0.5; 3])
+    .solid("plastic", block(vec3(-0.9, -0.5, 0.3)), [0.5; 3])
+    .solid("nothing", block(vec3(0.9, 0.8, 0.3)), [0.5; 3])
+    .light("lamp", ceiling(vec3(0.2, 0.1, 2.5), 0.5), [5.0, 6.0, 4.0])
+    .constant_environment(SKY)
+    .mirror("mirror")
+    .mirror("flat")
+    .clear("glass")
+    .plastic("plastic", None)
+    .null("nothing")
+    .depth(4);
+    let painted = ["mirror", "flat", "glass", "plastic", "nothing", "lamp"];
+    let idle = painted.map(|id| format!("{id}.bsdf.brdf_0.reflectance.value"));
+    let idle: Vec<&str> = idle.iter().map(String::as_str).collect();
+    transposed(&scene, Method::Reparam, &idle);
+}
