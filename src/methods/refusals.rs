@@ -149,7 +149,7 @@ pub fn check_geometry(
 /// Why the light of a beam has an edge on what it falls on, which nobody looks for.
 fn beam_edge(scene: &Scene, light: &DeltaLight) -> Option<String> {
     let jumps = |t: usize| match scene.textures[t].layout {
-        Layout::Constant => false,
+        Layout::Constant | Layout::Vertices => false,
         Layout::Checkerboard { .. } => true,
         Layout::Bitmap { bilinear, .. } => !bilinear,
     };

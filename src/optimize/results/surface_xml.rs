@@ -186,6 +186,12 @@ impl<'a> Surfaces<'a> {
             Layout::Constant => {
                 let _ = writeln!(text, "{indent}<{}/>", value(0).replace("NAME", name));
             }
+            Layout::Vertices => {
+                return Err(Failure::Input(format!(
+                    "{}: the colours of vertices cannot be written to a scene",
+                    texture.key
+                )));
+            }
             Layout::Checkerboard { to_uv } => {
                 let colours = [0, 1].map(|number| {
                     let texel = texture.checkerboard_texel(number);

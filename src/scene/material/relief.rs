@@ -6,7 +6,6 @@ use crate::scene::data::{Layout, Relief};
 use crate::scene::error::SceneError;
 use crate::scene::input::Input;
 use crate::scene::texture::{HEIGHT, NORMALS, Slots, Textures};
-use crate::scene::xml::Object;
 
 impl Materials {
     /// The material that is the element `index`, both sides of which are alike if it stands in a
