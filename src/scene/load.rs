@@ -50,7 +50,11 @@ fn load_as(
     let mut hash = Fnv1a::default();
     let tree = read_tree(files, path, defines, &mut hash, to_list)?;
     let mut loader = Loader::new(Input::new(&tree, files, hash));
-    let errors = loader.everything();
+    let mut errors = loader.everything();
+    let of_materials: Vec<usize> = (0..loader.materials.list.len())
+        .flat_map(|m| loader.materials.textures(m))
+        .collect();
+    errors.extend(loader.textures.refuse_homeless(&of_materials).err());
     let errors: Vec<SceneError> = match loader.samples_are_missed() {
         Some(error) => errors.into_iter().chain([error]).collect(),
         None => errors,

@@ -45,6 +45,20 @@ impl Textures {
         Ok(texture)
     }
 
+    /// Refuses those that wait for a mesh but stand where there is none, as in a light: all but
+    /// those `of_materials`, which no shape may have a use for.
+    pub fn refuse_homeless(&self, of_materials: &[usize]) -> Result<(), SceneError> {
+        let mut waiting = self.waiting.iter();
+        match waiting.find(|(t, _)| !of_materials.contains(t)) {
+            Some((_, Attribute { place, .. })) => {
+                let what =
+                    "a mesh_attribute has colours on shapes alone: nothing here has vertices";
+                Err(SceneError::at(place, what))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Gives those of `textures` that wait for them the colours of the vertices of the shape `id`.
     pub fn bring(
         &mut self,
