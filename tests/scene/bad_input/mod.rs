@@ -169,7 +169,7 @@ fn all_that_is_wrong_is_said_at_once() {
     for part in [
         "s.xml:3:1",
         "extract its surface",
-        "s.xml:4:32",
+        "s.xml:4:31",
         "fibres",
         "(and 1 more of them)",
         "out of scope",
