@@ -14,6 +14,13 @@ pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
     if !plan.about.is_empty() {
         text += &format!("{}\n\n", plan.about.trim());
     }
+    let reference = &plan.reference;
+    text += &format!(
+        "References: {} runs of {} samples at each of {} steps.\n\n",
+        reference.runs,
+        reference.spp,
+        reference.steps.len()
+    );
     text += &counts(rows);
     text += "\n## What the columns say\n\n";
     text += COLUMNS;
