@@ -14,12 +14,12 @@ pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
     if !plan.about.is_empty() {
         text += &format!("{}\n\n", plan.about.trim());
     }
-    let reference = &plan.reference;
+    let made = &plan.reference;
     text += &format!(
         "References: {} runs of {} samples at each of {} steps.\n\n",
-        reference.runs,
-        reference.spp,
-        reference.steps.len()
+        made.runs,
+        made.spp,
+        made.steps.len()
     );
     text += &counts(rows);
     text += "\n## What the columns say\n\n";
