@@ -99,9 +99,16 @@ fn judge(f: &Figures, repeats: usize, reference: &Reference) -> (Kind, String) {
     }
     match (reference.rms, f.size_bias_se) {
         (None, _) => judge_zero(f, reference),
-        (Some(_), Some(se)) if se <= VAGUE => (Kind::Right, size),
+        (Some(_), Some(se)) if se <= VAGUE && is_small(f, se) => (Kind::Right, size),
         _ => (Kind::Unknown, size),
     }
+}
+
+/// Of a bias that too few runs leave below the sigmas that are asked for: whether it is one by its
+/// own standard error.
+fn is_small(f: &Figures, size_se: f64) -> bool {
+    let size = f.size_bias.unwrap_or(0.0).abs();
+    size <= BIASED_SIGMAS * size_se && f.bias_squared <= BIASED_SIGMAS * f.bias_squared_se
 }
 
 /// Where the reference has nothing that stands out of its noise.

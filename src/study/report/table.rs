@@ -14,6 +14,13 @@ pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
     if !plan.about.is_empty() {
         text += &format!("{}\n\n", plan.about.trim());
     }
+    let made = &plan.reference;
+    text += &format!(
+        "References: {} runs of {} samples at each of {} steps.\n\n",
+        made.runs,
+        made.spp,
+        made.steps.len()
+    );
     text += &counts(rows);
     text += "\n## What the columns say\n\n";
     text += COLUMNS;
