@@ -58,8 +58,8 @@ pub enum Single {
     CrowdLine,
     /// Which of several edges in a cell of the film: cell.
     FilmEdge,
-    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides: cell,
-    /// light.
+    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides:
+    /// cell, light.
     FilmShadow,
     /// Which family of lines over the environment map, for a packet: index, depth.
     EnvironmentFamily,
