@@ -9,8 +9,8 @@ use crate::trace::geometry::Geometry;
 /// Triangles crossed before the rest is given up.
 const MAX_FACETS: usize = 512;
 
-/// A triangle, the parameter of the arc at which it is left, and the corner at which the edge starts
-/// over which it is.
+/// A triangle, the parameter of the arc at which it is left, and the corner at which the edge
+/// starts over which it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     pub triangle: u32,

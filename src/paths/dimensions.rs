@@ -60,8 +60,8 @@ pub enum Single {
     CrowdLine,
     /// Which of several edges in a cell of the film: cell.
     FilmEdge,
-    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides: cell,
-    /// light.
+    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides:
+    /// cell, light.
     FilmShadow,
     /// What smooth surfaces do with the rays of a line of the film's lattice, and what is looked at
     /// there: line, its first point, place in the search.

@@ -2,8 +2,8 @@
 //!
 //! The camera looks straight down, and the half-plane is above it: x ≤ e at height h. A point light
 //! at l shadows the floor up to x_s = l_x + (e − l_x) l_z / (l_z − h), a directional one, which
-//! travels along w, up to x_s = e − h w_x / w_z. The film is linear on the floor, so that the mean of the
-//! image is that of the radiance over the square of half side X that is seen,
+//! travels along w, up to x_s = e − h w_x / w_z. The film is linear on the floor, so that the mean
+//! of the image is that of the radiance over the square of half side X that is seen,
 //!
 //! ∫_{x_s}^X ∫_{−X}^X L dy dx / (2X)²,   L = ρ/π · I l_z / r³   or   L = ρ/π · E |w_z|.
 //!

@@ -172,8 +172,8 @@ fn shadows_out_of_sight() {
     check_to(0.04, &sun(mirror), &moved, 1024, Some(0.02), Fails);
 }
 
-/// A coarse ball with shading normals: where it turns away from the light its triangles are dark one
-/// by one, though shading goes on.
+/// A coarse ball with shading normals: where it turns away from the light its triangles are dark
+/// one by one, though shading goes on.
 #[test]
 fn where_a_smooth_surface_turns_away() {
     let across = DeltaLightKind::Directional {

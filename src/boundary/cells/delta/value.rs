@@ -15,8 +15,8 @@ use glam::DVec3;
 const SAME: f64 = 1e-4;
 
 /// The radiance that each lane's ray receives from where it meets a triangle, if one delta light
-/// shines on it and nothing hides either from the other. Where something hides the triangle from the
-/// ray it is zero.
+/// shines on it and nothing hides either from the other. Where something hides the triangle from
+/// the ray it is zero.
 pub fn brought(
     scene: &SearchScene,
     rays: &RayPacket,

@@ -1,9 +1,10 @@
-//! Where smooth surfaces turn away from delta lights along the rows and columns of a tile's lattice.
+//! Where smooth surfaces turn away from delta lights along the rows and columns of a tile's
+//! lattice.
 //!
 //! Over an edge of a mesh with shading normals shading goes on, but the plane of the triangles does
-//! not: a light that lies between the two planes is seen from one of them alone. Such edges are few,
-//! and which they are is known without a ray, so that all of them are looked at. (From among the
-//! other edges in a cell one is drawn at random.)
+//! not: a light that lies between the two planes is seen from one of them alone. Such edges are
+//! few, and which they are is known without a ray, so that all of them are looked at. (From among
+//! the other edges in a cell one is drawn at random.)
 
 use super::cell::{LatticeCells, LatticeLine};
 use super::shadow_border::{Border, SMALLEST_CHANCE, between};
