@@ -45,7 +45,7 @@ test-long: deps
 
 test-mpi:
 	@scripts/setup mpi
-	cargo test --release --locked --features mpi --test program ranks
+	cargo test --release --locked --features mpi --test program ranks -- --test-threads 1
 
 # Where Debian has no python3-venv, the message of venv says so.
 test-python: deps

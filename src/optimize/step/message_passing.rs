@@ -20,6 +20,9 @@ const MESSAGE: usize = 1 << 28;
 /// What a process says of itself in a round: that it is well, or this with its exit code.
 const FAILED: u64 = 1 << 8;
 
+/// The exit code of a process that panicked, as Rust has it.
+const PANICKED: i32 = 101;
+
 /// The process that writes and speaks.
 const WRITER: usize = 0;
 
@@ -107,6 +110,15 @@ impl MessagePassing {
             3 => Failure::Input(text),
             129.. => Failure::Interrupted(code - 128),
             _ => Failure::System(text),
+        }
+    }
+}
+
+impl Drop for MessagePassing {
+    fn drop(&mut self) {
+        // The end of MPI waits for all processes, and the others for this one.
+        if std::thread::panicking() {
+            self.world.abort(PANICKED);
         }
     }
 }
