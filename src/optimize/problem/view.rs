@@ -191,7 +191,9 @@ pub fn shrunk(view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
 pub fn check_factor(view: &View, scene: &Scene, factor: u64) -> Result<(), Failure> {
     let film = &scene.sensors[view.sensor].film;
     let [width, height] = view.size();
-    let divides = width as u64 % factor == 0 && height as u64 % factor == 0;
+    let divides = [width, height]
+        .iter()
+        .all(|&side| (side as u64).is_multiple_of(factor));
     let is_cropped = view.resolution.is_none() && film.crop_size != [film.width, film.height];
     if factor == 1 || divides && !is_cropped {
         return Ok(());
