@@ -8,15 +8,20 @@ BUILD = cargo build --release --locked
 CARGO_RUN = cargo run --release --locked --quiet --
 DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
-.PHONY: help deps demo test test-long bench bench-backends figures test-bare-debian
+comma = ,
+
+.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures study test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
 	@echo "make test           the tests"
 	@echo "make test-long      the tests, and those that take long"
+	@echo "make test-mpi       the tests of optimize by many processes; installs Open MPI"
+	@echo "make test-python    the tests of python/, in an environment of its own (EXTRAS=torch,jax: those of PyTorch and JAX, too)"
 	@echo "make bench          speed, on this machine"
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
+	@echo "make study          every method on the failure battery: docs/stability.md, and charts into out/study (minutes)"
 	@echo "make test-bare-debian  make demo and make test on a bare Debian 12 and a bare Debian 13, in chroots (long)"
 	@echo "make deps           only install what the others need"
 
@@ -38,6 +43,17 @@ test: deps
 test-long: deps
 	cargo test --release --locked --features long-tests
 
+test-mpi:
+	@scripts/setup mpi
+	cargo test --release --locked --features mpi --test program ranks
+
+# Where Debian has no python3-venv, the message of venv says so.
+test-python: deps
+	$(BUILD)
+	python3 -m venv target/python
+	target/python/bin/pip install --quiet './python[test$(if $(EXTRAS),$(comma)$(EXTRAS))]'
+	WARPATH=$(CURDIR)/target/release/warpath target/python/bin/python -m pytest python
+
 bench: deps
 	scripts/benchmark
 
@@ -47,6 +63,11 @@ bench-backends: deps
 
 figures: deps
 	scripts/figures $(if $(QUICK),--quick)
+
+study: deps
+	$(BUILD)
+	rm -f out/study/study.jsonl
+	$(CARGO_RUN) study scenes/failures/study.toml -o out/study --report docs/stability.md
 
 test-bare-debian:
 	scripts/test-bare-debian

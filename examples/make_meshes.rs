@@ -17,8 +17,9 @@ fn main() -> std::io::Result<()> {
     tube(200, 20, 0.11, trefoil).write_binary(&folder.join("knot.ply"))?;
     tube(48, 16, 0.25, |t| [t.cos(), t.sin(), 0.0]).write_binary(&folder.join("ring.ply"))?;
     write_ascii(&folder.join("wedge.ply"), &wedge())?;
-    write_ball(&materials.join("ball.ply"), 50, 50)?;
-    write_ball(&materials.join("gem.ply"), 12, 7)
+    write_ball(&materials.join("ball.ply"), 50, 50, false)?;
+    write_ball(&materials.join("gem.ply"), 12, 7, false)?;
+    write_ball(&materials.join("painted.ply"), 12, 7, true)
 }
 
 /// A trefoil knot that fits into the unit ball.
@@ -111,8 +112,8 @@ fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
 
 /// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each
 /// vertex has its normal (its place) and texture coordinates: u once around from +x by +y, v from 0
-/// at +z to 1 at -z.
-fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
+/// at +z to 1 at -z; and a colour, if it is painted.
+fn write_ball(path: &Path, around: usize, down: usize, is_painted: bool) -> std::io::Result<()> {
     let mut triangles = Vec::new();
     for j in 0..down {
         for i in 0..around {
@@ -126,9 +127,14 @@ fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
             }
         }
     }
+    let colours = if is_painted {
+        "property float red\nproperty float green\nproperty float blue\n"
+    } else {
+        ""
+    };
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
-         property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n\
+         property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n{colours}\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         (around + 1) * (down + 1),
         triangles.len()
@@ -142,6 +148,15 @@ fn write_ball(path: &Path, around: usize, down: usize) -> std::io::Result<()> {
             let n = [sin_theta * cos_phi, sin_theta * sin_phi, cos_theta];
             for x in n.iter().chain(&n).chain(&[u, v]) {
                 bytes.extend((*x as f32).to_le_bytes());
+            }
+            if is_painted {
+                for x in [
+                    0.5 + 0.4 * n[0],
+                    0.5 - 0.4 * n[1],
+                    ((i + j) % 3) as f64 / 2.0,
+                ] {
+                    bytes.extend((x as f32).to_le_bytes());
+                }
             }
         }
     }

@@ -119,6 +119,12 @@ def pictures():
     png(folder / "colours.png", colours)
     png(folder / "roughness.png", (20 + 12 * x + 9 * y + 30 * cells)[..., None])
 
+    # Directions as colours, and heights.
+    x_tilt, y_tilt = 0.35 * np.sin(1.1 * x + 0.4 * y), 0.3 * np.cos(0.7 * x - 1.3 * y)
+    up = np.sqrt(1 - x_tilt**2 - y_tilt**2)
+    png(folder / "normals.png", np.round(127.5 * (1 + np.stack([x_tilt, y_tilt, up], axis=-1))))
+    png(folder / "heights.png", np.round(128 + 90 * np.sin(0.9 * x + 0.3 * y) * np.cos(0.8 * y))[..., None])
+
     lamp = np.stack([0.3 + 1.2 * x, 0.5 + 0.6 * y, 1.0 + 3.0 * cells], axis=-1)
     lamp[:2, :2] = [14, 12, 8]
     exr(folder / "lamp.exr", lamp)

@@ -3,7 +3,7 @@
 //! Data flows one way, and a test holds the modules to it:
 //! `room → files → lanes → picture → statistics → scene → trace → kernels → adjoint →
 //! discontinuity → paths → gradient and boundary, which do not know each other → methods →
-//! output → jobs → bench → batch → optimize → cli`.
+//! output → jobs → bench → batch, optimize and study → cli`.
 
 pub mod adjoint;
 pub mod batch;
@@ -24,4 +24,5 @@ pub mod picture;
 pub mod room;
 pub mod scene;
 pub mod statistics;
+pub mod study;
 pub mod trace;

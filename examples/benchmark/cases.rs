@@ -97,9 +97,14 @@ impl Case {
 }
 
 /// Scene, direction and tensor of this repository's own scenes.
-const OWN: [(&str, &str, &str); 5] = [
+const OWN: [(&str, &str, &str); 6] = [
     (
         "demo",
+        "occluder.translation=1,0,0",
+        "occluder.vertex_positions",
+    ),
+    (
+        "sharp_shadow",
         "occluder.translation=1,0,0",
         "occluder.vertex_positions",
     ),

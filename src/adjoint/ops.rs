@@ -63,6 +63,12 @@ pub fn exp_adjoint<F: Real>(power: F, bar: F) -> F {
     bar * power
 }
 
+/// Infinite at zero.
+#[inline(always)]
+pub fn ln_adjoint<F: Real>(a: F, bar: F) -> F {
+    bar / a
+}
+
 /// From `length = |a|`.
 #[inline(always)]
 pub fn length_adjoint<F: Real>(a: V3<F>, length: F, bar: F) -> V3<F> {

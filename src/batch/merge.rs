@@ -9,6 +9,7 @@ use super::shard_folders::{Part, by_job, check_alike, of_each_once};
 use crate::jobs::failure::Failure;
 use crate::jobs::results::Results;
 use crate::methods::inner_product;
+use crate::output::results::is_wanted;
 use crate::output::tensors::TensorFile;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -121,13 +122,7 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
         }
     }
     let mut files = results.files()?;
-    let wanted = |name: &str| {
-        whole
-            .outputs
-            .as_ref()
-            .is_none_or(|o| o.iter().any(|n| n == name))
-    };
-    files.retain(|file| wanted(file.name));
+    files.retain(|file| is_wanted(file.name, whole.outputs.as_deref()));
     result.files = folder::write(output, &id, &files)?;
     Ok(result)
 }

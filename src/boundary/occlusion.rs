@@ -2,7 +2,6 @@
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
-use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind, Reservoir};
 use crate::discontinuity::walk::{Walk, walk};
 use crate::paths::at::At;
@@ -21,7 +20,7 @@ pub const NEAREST: f64 = 2e-6;
 /// wanted for the shadow's other end.
 const BISECTIONS: u32 = 16;
 /// Occluders behind one another that are followed before a cell is given up.
-const MAX_OCCLUDERS: usize = 64;
+pub const MAX_OCCLUDERS: usize = 64;
 
 /// From acute edges of bodies with shading normals they keep this many times the distance from
 /// surfaces at which rays start, but not more than this fraction. Shading normals send rays into a
@@ -30,15 +29,13 @@ const MAX_OCCLUDERS: usize = 64;
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// How far beside a crossing probes look: an angle as seen from `origin`, and the fraction of the
-/// cell that it must not exceed. What the radiance changes by over that distance is taken for a
-/// part of its jump, so it is as small as it can be.
-pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3) -> [f64; 2] {
-    let Boundary::Edge([v, w]) = crossing.boundary else {
+/// How far beside a crossing that is seen along `d` probes look: an angle as seen from `origin`, and
+/// the fraction of the cell that it must not exceed. What the radiance changes by over that distance
+/// is taken for a part of its jump, so it is as small as it can be.
+pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: DVec3) -> [f64; 2] {
+    let Some(point) = crossing.boundary.seen_along(geometry, origin, d) else {
         return [f64::INFINITY, PROBE];
     };
-    let [v, w] = [v, w].map(|v| geometry.positions[v as usize].as_dvec3());
-    let point = v.midpoint(w);
     if crossing.kind == Kind::ThinSilhouette {
         let room = point.abs().max_element() + 1.0;
         let angle = CLEAR * f64::from(OFFSET) * room / point.distance(origin);

@@ -116,6 +116,14 @@ pub enum Command {
         after_help = "Example: warpath optimize fit.toml --set optimizer.lr=0.02 -o out/fit\nExample: warpath optimize fit.toml -o out/fit --resume"
     )]
     Optimize(OptimizeArguments),
+    /// Scenes × directions × methods × samples: error against time, with verdicts
+    ///
+    /// Makes references by finite differences, measures every method in turns, and writes
+    /// study.json, study.csv, charts, gradient pictures and one HTML page.
+    #[command(
+        after_help = "Example: warpath study scenes/failures/study.toml --report stability.md -o out/failures"
+    )]
+    Study(StudyArguments),
     /// Prints a completion script for a shell
     Completions {
         /// The shell to complete in
@@ -348,6 +356,42 @@ pub struct OptimizeArguments {
     /// Begins anew though the directory has a checkpoint
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,
+    /// Threads [default: the cores this process may use]
+    #[arg(short, long, value_name = "T", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// What traces the rays, as in forward
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    pub backend: Backend,
+    #[command(flatten)]
+    pub talk: TalkArguments,
+}
+
+/// `warpath study`
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// What to measure (TOML; docs/study.md)
+    pub config: PathBuf,
+    /// Overrides a value of the configuration, as in repeats=8 or reference.spp=256
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Only these scenes of it
+    #[arg(long, value_name = "NAME,NAME…", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Directory for the results [default: out/study-CONFIG]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Goes on with the results that are there
+    #[arg(long)]
+    pub resume: bool,
+    /// Exit code 1 if a figure is beyond a bound of this file
+    #[arg(long, value_name = "FILE")]
+    pub assert: Option<PathBuf>,
+    /// Also writes scene × method as a Markdown table
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where references are kept and looked for [default: references in the results]
+    #[arg(long, value_name = "DIR")]
+    pub references: Option<PathBuf>,
     /// Threads [default: the cores this process may use]
     #[arg(short, long, value_name = "T", value_parser = values::threads)]
     pub threads: Option<usize>,

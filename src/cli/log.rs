@@ -22,6 +22,14 @@ impl Log {
         }
     }
 
+    /// For a process beside one that speaks.
+    pub fn silent() -> Self {
+        Self {
+            quiet: true,
+            ..Self::plain()
+        }
+    }
+
     /// For what goes wrong before the options are known.
     pub fn plain() -> Self {
         Self {
@@ -57,7 +65,13 @@ impl Log {
 
     /// Why it did not work.
     pub fn error(&self, text: &str) {
-        self.line("error", "\x1b[1;31m", text);
+        if self.json {
+            return self.line("error", "", text);
+        }
+        // A scene can have several.
+        for one in text.lines() {
+            self.line("error", "\x1b[1;31m", one);
+        }
     }
 
     /// A JSON line of any other kind.

@@ -20,19 +20,16 @@ mod render;
 mod report;
 mod session;
 mod signals;
+mod study;
 mod values;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
-use clap::error::{ContextKind, ContextValue, ErrorKind};
 use exit::Failure;
 use log::{Log, harmless};
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
-
-/// Commands of the interface that are still to come.
-const NOT_BUILT_YET: [&str; 1] = ["study"];
 
 /// Runs the program with its arguments, the program's name first.
 pub fn run(typed: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -54,6 +51,7 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Batch(batch) => batch::run(batch, typed),
         Command::Merge(merge) => merge::run(merge),
         Command::Optimize(optimize) => optimize::run(optimize, typed),
+        Command::Study(study) => study::run(study, typed),
         Command::Completions { shell } => completions::shell(*shell),
         Command::Man => completions::man(),
     }
@@ -82,20 +80,13 @@ fn log_of(arguments: &Arguments) -> Log {
         Command::Batch(a) => Log::new(&a.talk),
         Command::Merge(a) => Log::new(&a.talk),
         Command::Optimize(a) => Log::new(&a.talk),
+        Command::Study(a) => Log::new(&a.talk),
         Command::Completions { .. } | Command::Man => Log::plain(),
     }
 }
 
 /// Help and the version count as success; everything else clap stops at is wrong usage.
 fn not_parsed(error: &clap::Error, typed: &[OsString]) -> ExitCode {
-    if error.kind() == ErrorKind::InvalidSubcommand
-        && let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
-        && NOT_BUILT_YET.contains(&name.as_str())
-    {
-        let failure = Failure::Usage(format!("warpath {name} is not built yet"));
-        Log::plain().error(&failure.to_string());
-        return ExitCode::from(&failure);
-    }
     let is_plain = |argument: &OsString| argument.to_str().is_some_and(|a| a == harmless(a));
     let printed = match error.use_stderr() && !typed.iter().all(is_plain) {
         true => writeln!(

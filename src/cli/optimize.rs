@@ -9,20 +9,38 @@ use super::signals::Signals;
 use crate::jobs::machine;
 use crate::optimize::config;
 use crate::optimize::run::{self, Options, Summary};
-use crate::optimize::step::Alone;
+use crate::optimize::step::{self, Ranks};
 use crate::output::atomic;
 use serde_json::json;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Runs the optimisation, writes `report.json`, and says how it went.
+/// Runs the optimisation, writes `report.json`, and says how it went. Of several processes one does
+/// so, whichever of them fails.
 pub fn run(arguments: &OptimizeArguments, typed: &[OsString]) -> Result<(), Failure> {
+    let ranks = step::join()?;
+    let done = work(arguments, typed, &*ranks);
+    let agreed = ranks.agree(done, &|| 0);
+    match ranks.writes() {
+        true => agreed,
+        false => Ok(()),
+    }
+}
+
+fn work(
+    arguments: &OptimizeArguments,
+    typed: &[OsString],
+    ranks: &dyn Ranks,
+) -> Result<(), Failure> {
     arguments
         .backend
         .require()
         .map_err(|why| Failure::Usage(why.into()))?;
-    let log = Log::new(&arguments.talk);
+    let log = match ranks.writes() {
+        true => Log::new(&arguments.talk),
+        false => Log::silent(),
+    };
     let config = config::read(&arguments.config, &arguments.overrides)?;
     let options = Options {
         directory: directory(arguments),
@@ -32,10 +50,14 @@ pub fn run(arguments: &OptimizeArguments, typed: &[OsString]) -> Result<(), Fail
         backend: arguments.backend,
     };
     let progress = OptimizeProgress::new(log, Signals::watch(log));
-    let done = run::run(config.clone(), &options, &Alone, &progress);
+    let done = run::run(config.clone(), &options, ranks, &progress);
     progress.finish();
     let summary = done?;
-    let report = report(&summary, &config, &options, typed);
+    if !ranks.writes() {
+        return Ok(());
+    }
+    let mut report = report(&summary, &config, &options, typed);
+    report["processes"] = ranks.count().into();
     let text = serde_json::to_string_pretty(&report)
         .map_err(|error| Failure::System(error.to_string()))?
         + "\n";

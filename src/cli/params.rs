@@ -19,7 +19,7 @@ const COLUMNS: [&str; 5] = ["KEY", "SHAPE", "FLAGS", "VALUE", "ALSO"];
 pub fn run(arguments: &ParamsArguments) -> Result<(), Failure> {
     let log = Log::new(&arguments.talk);
     Signals::watch(log);
-    let scene = session::load(&arguments.scene, log)?;
+    let scene = session::load_to_list(&arguments.scene, log)?;
     let list = parameters::list(&scene);
     let text = if arguments.talk.json {
         let list: Vec<_> = list.iter().map(object).collect();

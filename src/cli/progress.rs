@@ -50,6 +50,14 @@ impl StageProgress {
         }
     }
 
+    /// Shows something else while the bar is out of the way.
+    pub fn beside(&self, show: impl FnOnce()) {
+        match &self.show {
+            Show::Bar(bar) => bar.suspend(show),
+            _ => show(),
+        }
+    }
+
     /// Takes the bar away, leaving the terminal to the messages that follow.
     pub fn finish(self) {
         if let Show::Bar(bar) = &self.show {

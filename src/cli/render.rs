@@ -12,7 +12,9 @@ pub fn run(arguments: &RenderArguments, typed: &[OsString]) -> Result<(), Failur
     let mut session = Session::open("render", &arguments.trace, typed, None, false)?;
     let settings = session.settings.clone();
     let rendering = session.trace("render", &settings, methods::render, |r| &r.statistics)?;
-    for file in results::rendered(&rendering.image)? {
+    let mut files = results::rendered(&rendering.image)?;
+    files.retain(|file| results::is_wanted(file.name, None));
+    for file in files {
         session.write(file.name, |path| file.write(path))?;
     }
     session.close()

@@ -197,6 +197,18 @@ impl Session {
 /// Loads a scene, passing its warnings on.
 pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
     let scene = scene::load(&arguments.scene, &arguments.defines)?;
+    warn(&scene, arguments, log)?;
+    Ok(scene)
+}
+
+/// Loads what there is to list of a scene, even if it cannot be rendered.
+pub fn load_to_list(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
+    let scene = scene::load_to_list(&arguments.scene, &arguments.defines)?;
+    warn(&scene, arguments, log)?;
+    Ok(scene)
+}
+
+fn warn(scene: &Scene, arguments: &SceneArguments, log: Log) -> Result<(), Failure> {
     for warning in scene.warnings.iter().take(WARNINGS_PRINTED) {
         log.warning(warning);
     }
@@ -206,8 +218,8 @@ pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
             scene.warnings.len() - WARNINGS_PRINTED
         ));
     }
-    settings::check_sensor(&scene, arguments.sensor)?;
-    Ok(scene)
+    settings::check_sensor(scene, arguments.sensor)?;
+    Ok(())
 }
 
 /// The method of this name, refusing those that are still to come.

@@ -83,6 +83,25 @@ impl Boundary {
         }
     }
 
+    /// The point of an edge that is seen from `o` along `d`, or its end next to that; `None` for other
+    /// boundaries.
+    pub fn seen_along(&self, geometry: &Geometry, o: DVec3, d: DVec3) -> Option<DVec3> {
+        let Boundary::Edge(edge) = self else {
+            return None;
+        };
+        let [a, b] = edge.map(|v| geometry.positions[v as usize].as_dvec3() - o);
+        // Across d, in the plane of the edge and o.
+        let across = a.cross(b).cross(d);
+        let along = a.dot(across) / (a - b).dot(across);
+        // An edge that is seen along itself is seen at any of its points.
+        let along = if along.is_nan() {
+            0.5
+        } else {
+            along.clamp(0.0, 1.0)
+        };
+        Some(o + a.lerp(b, along))
+    }
+
     /// F over any lane type; `point` gives a vertex, tangent and all.
     pub fn side<F: Real>(&self, o: V3<F>, d: V3<F>, point: impl Fn(u32) -> V3<F>) -> F {
         match *self {

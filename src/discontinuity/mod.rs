@@ -6,6 +6,7 @@ pub mod arc;
 pub mod between;
 pub mod boundary;
 pub mod crossing;
+pub mod facets;
 pub mod pieces;
 pub mod texture_edges;
 pub mod walk;

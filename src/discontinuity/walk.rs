@@ -63,9 +63,26 @@ pub enum Walk {
 /// Walks from `start`, the triangle that the ray along `arc.a` hit, toward `arc.b`, whose ray hit
 /// `goal`, up to parameter `limit` (1: all the way). What the radiance may jump at on the way is
 /// shown to `ridges`: edges at which the surface or its shading bends, and those of pictures.
+pub fn walk(
+    geometry: &Geometry,
+    adjacency: &Adjacency,
+    arc: &Arc,
+    ends: [u32; 2],
+    limit: f64,
+    ridges: &mut Reservoir,
+) -> Walk {
+    let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
+    walk_among(position, geometry, adjacency, arc, ends, limit, ridges)
+}
+
+/// The same, if `position` says where a vertex is as seen from the arc's origin. Rays that are
+/// parallel to one another meet in no origin, but points across them are directions as good as any:
+/// the two coordinates of a point across the rays, and 1.
 // Long: one loop over triangles, in the hottest place there is; parted into steps it took a quarter
 // more instructions.
-pub fn walk(
+#[inline]
+pub fn walk_among(
+    position: impl Fn(u32) -> DVec3,
     geometry: &Geometry,
     adjacency: &Adjacency,
     arc: &Arc,
@@ -74,7 +91,6 @@ pub fn walk(
     ridges: &mut Reservoir,
 ) -> Walk {
     let normal = arc.a.cross(arc.b);
-    let position = |v: u32| geometry.positions[v as usize].as_dvec3() - arc.origin;
     let faces = |[p, q, r]: [DVec3; 3]| p.dot((q - p).cross(r - p)) < 0.0;
 
     // A walk stays on one mesh.
@@ -82,7 +98,7 @@ pub fn walk(
     let has_texture_edges = geometry.pattern(start).is_some();
     let mut triangle = start;
     let mut vertices = geometry.triangles[start as usize];
-    let mut points = vertices.map(position);
+    let mut points = vertices.map(&position);
     let mut side = points.map(|p| normal.dot(p));
     let mut facing = faces(points);
     let mut entered_by = None;
@@ -194,6 +210,39 @@ const FLAT: f64 = 1e-10;
 /// goes as the square of their angle.
 const COARSE: f64 = 1e-2;
 
+/// How a surface bends at an edge of two triangles.
+pub struct Bend {
+    /// Of the angle between their planes; `None` where they lie in one plane.
+    pub squared_sine: Option<f64>,
+    /// Whether the angle between the triangles themselves is acute.
+    pub is_acute: bool,
+    /// Unit normals, of one orientation of the surface.
+    pub normals: [DVec3; 2],
+    /// How often the edge of a smooth surface is looked at.
+    pub share: f64,
+    /// Whether the two sides have shading normals of their own.
+    pub is_torn: bool,
+}
+
+/// How the surface bends at the edge that starts at `corner` of a triangle.
+pub fn bend_at(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> Bend {
+    let points = |t: u32| {
+        let corners = geometry.triangles[t as usize];
+        corners.map(|v| geometry.positions[v as usize].as_dvec3())
+    };
+    let [here, there] = [points(triangle), points(across.triangle)];
+    let sine = bend(here, there);
+    let [n, m] = [here, there].map(|[p, q, r]| (q - p).cross(r - p).normalize_or_zero());
+    let m = if across.flipped { -m } else { m };
+    Bend {
+        squared_sine: (sine > FLAT).then_some(sine),
+        is_acute: n.dot(m) < 0.0,
+        normals: [n, m],
+        share: (sine / COARSE).min(1.0),
+        is_torn: is_torn(geometry, triangle, corner, across),
+    }
+}
+
 /// The squared sine of the angle between the planes of two triangles.
 fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
@@ -202,7 +251,7 @@ fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
 
 /// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for
 /// itself: so programs write bodies with hard edges.
-fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
+pub fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let ends = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];
         [vertices[corner], vertices[(corner + 1) % 3]]
@@ -220,7 +269,7 @@ fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -
 
 /// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β
 /// and α with the same positive factor; infinite beyond the half-turn.
-fn parameter(of_b: f64, of_a: f64) -> f64 {
+pub fn parameter(of_b: f64, of_a: f64) -> f64 {
     if of_a + of_b > 0.0 {
         of_b / (of_a + of_b)
     } else if of_b > 0.0 {

@@ -7,6 +7,7 @@ use super::pairs::{Keys, Pairs};
 use super::resolution::Resolution;
 use super::settings::RequestedSettings;
 use crate::methods::Method;
+use crate::output::results;
 use crate::trace::Backend;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -72,7 +73,8 @@ pub struct Job {
     #[serde(default)]
     #[schemars(range(min = 1))]
     pub groups: Option<u32>,
-    /// Names of the files to write [default: all that the command of this name writes]
+    /// Names of the files to write [default: all that the command of this name writes]; render has
+    /// image.npy too, on request
     #[serde(default)]
     pub outputs: Option<Vec<String>>,
 }
@@ -106,8 +108,6 @@ impl Job {
 
     /// Whether a file of this name is to be written.
     pub fn writes(&self, name: &str) -> bool {
-        self.outputs
-            .as_ref()
-            .is_none_or(|names| names.iter().any(|n| n == name))
+        results::is_wanted(name, self.outputs.as_deref())
     }
 }

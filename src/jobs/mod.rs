@@ -2,6 +2,7 @@
 
 pub mod attachments;
 pub mod check;
+pub mod config;
 pub mod define;
 pub mod direction;
 pub mod failure;
@@ -19,5 +20,6 @@ pub mod request;
 pub mod resolution;
 pub mod results;
 pub mod schema;
+pub mod seeds;
 pub mod settings;
 pub mod shown;

@@ -52,6 +52,10 @@ pub struct KindMasks<F: Real> {
     pub is_smooth: F::Mask,
     pub is_ggx: F::Mask,
     pub is_nonlinear: F::Mask,
+    /// A pane: what it reflects is that of both of its sides.
+    pub is_thin: F::Mask,
+    /// Of many layers (`kernels::layered`).
+    pub is_principled: F::Mask,
     /// The ray comes from outside.
     pub is_entering: F::Mask,
 }
@@ -62,6 +66,8 @@ pub struct LobeMasks<F: Real> {
     pub is_diffuse: F::Mask,
     pub is_reflected: F::Mask,
     pub is_refracted: F::Mask,
+    /// It is reflected by a clear coat above the rest.
+    pub is_coat: F::Mask,
 }
 
 /// The shading normal, mirrored at the plane across the arriving ray if it looks away from that:
@@ -248,6 +254,7 @@ pub fn bsdf_sample<F: Real>(
     let passes = beyond2.gt(tiny) & lobes.is_refracted;
     let beyond = F::select(passes, beyond2, one).sqrt();
     let refracted = m * (cos_half / ratio - beyond) - wi * (one / ratio);
+    let refracted = V3::select(kinds.is_thin, -wi, refracted);
     let bent = V3::select(
         lobes.is_reflected,
         reflected,
@@ -272,11 +279,14 @@ pub fn bsdf_sample<F: Real>(
         fresnel_conductor(cos_half, s.eta.y, s.k.y),
         fresnel_conductor(cos_half, s.eta.z, s.k.z),
     );
-    let glass = fresnel_dielectric(cos_half, ratio);
+    let once = fresnel_dielectric(cos_half, ratio);
+    // r + trt + tr³t + …
+    let glass = F::select(kinds.is_thin, (once + once) / (one + once), once);
     let mirror = V3::select(kinds.is_plastic, s.second_reflectance, s.reflectance) * glass;
     let reflection = V3::select(kinds.is_conductor, s.reflectance.times(metal), mirror) * shape;
     let squeezed = shape * (one - glass) / (ratio * ratio);
-    let refraction = s.second_reflectance * F::select(passes, squeezed, zero);
+    let squeezed = F::select(passes, squeezed, zero);
+    let refraction = s.second_reflectance * F::select(kinds.is_thin, one - glass, squeezed);
     let below = below_dielectric(cos_in, cos_out.max(tiny), s, dense, t, kinds);
     let diffuse = V3::select(kinds.is_plastic, below, s.reflectance);
     let white = V3::splat(1.0);

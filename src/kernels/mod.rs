@@ -7,9 +7,10 @@ pub mod bsdf;
 pub mod camera;
 pub mod frame;
 pub mod fresnel;
-
+pub mod layered;
 pub mod light;
 pub mod microfacet;
 pub mod normal;
+pub mod relief;
 pub mod silhouette;
 pub mod triangle;

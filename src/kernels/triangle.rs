@@ -19,3 +19,10 @@ pub fn triangle_hit<F: Real>(o: V3<F>, d: V3<F>, v0: V3<F>, v1: V3<F>, v2: V3<F>
     let b2 = d.dot(q) * inv_det;
     (t, b1, b2)
 }
+
+/// Where a ray meets a triangle's plane.
+pub fn triangle_point<F: Real>(o: V3<F>, d: V3<F>, v0: V3<F>, v1: V3<F>, v2: V3<F>) -> V3<F> {
+    let n = (v1 - v0).cross(v2 - v0);
+    let t = n.dot(v0 - o) / n.dot(d);
+    o + d * t
+}

@@ -88,6 +88,10 @@ impl<R: Real> Real for Dual<R> {
         Self::new(value, self.tangent * value)
     }
     #[inline(always)]
+    fn ln(self) -> Self {
+        Self::new(self.value.ln(), self.tangent / self.value)
+    }
+    #[inline(always)]
     fn signum(self) -> Self {
         Self::new(self.value.signum(), R::splat(0.0))
     }
@@ -165,6 +169,7 @@ mod tests {
         check("sqrt", |a, _| a.sqrt());
         check("abs", |a, b| (a - b).abs());
         check("exp", |a, _| a.exp());
+        check("ln", |a, _| a.ln());
         check("signum", |a, b| (a - b).signum());
         check("min", |a, b| a.min(b));
         check("max", |a, b| a.max(b));

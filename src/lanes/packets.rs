@@ -90,6 +90,10 @@ macro_rules! packet_real {
                 <$packet>::exp(self)
             }
             #[inline(always)]
+            fn ln(self) -> Self {
+                <$packet>::ln(self)
+            }
+            #[inline(always)]
             fn signum(self) -> Self {
                 <$packet>::splat(1.0).copysign(self)
             }

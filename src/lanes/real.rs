@@ -27,6 +27,8 @@ pub trait Real:
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     fn exp(self) -> Self;
+    /// The natural logarithm.
+    fn ln(self) -> Self;
     /// −1 where the sign bit is set, else 1; its derivative is zero.
     fn signum(self) -> Self;
     fn min(self, other: Self) -> Self;

@@ -35,6 +35,10 @@ macro_rules! scalar_real {
                 <$float>::exp(self)
             }
             #[inline(always)]
+            fn ln(self) -> Self {
+                <$float>::ln(self)
+            }
+            #[inline(always)]
             fn signum(self) -> Self {
                 // Not the standard signum, which answers NaN for NaN.
                 (1.0 as $float).copysign(self)

@@ -42,7 +42,8 @@ pub fn backward(
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
     let scene = prepared.scene;
-    refusals::check(scene, request, settings.method)?;
+    let sensor = &scene.sensors[settings.sensor];
+    refusals::check(scene, request, sensor, settings.method)?;
     let Evaluation {
         loss,
         mut adjoint,
@@ -56,6 +57,7 @@ pub fn backward(
         .filter(|_| request.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(request);
+    stage.check_geometry(settings.method)?;
     check_size(&adjoint, stage.size)?;
     let wanted = Wanted::new(scene, request);
     let swept = sweep_tiles(&stage, &wanted, &adjoint.pixels, progress, &mut statistics)?;

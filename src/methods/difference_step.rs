@@ -51,7 +51,10 @@ pub fn step(
             .fold(f32::INFINITY, f32::min) as f64;
         let by_translation = motion.translation.length() as f64 / nearest;
         let by_turn = motion.rotation.length() as f64 + (motion.x_fov_deg as f64).to_radians();
-        fastest = fastest.max((by_translation + by_turn) * pixels);
+        let leans = motion.axes.iter().map(|a| a.length() as f64).sum::<f64>();
+        let by_shift = 2.0 * motion.principal_point_offset.length() as f64 * camera.tan_half_x_fov;
+        let turns = by_turn + leans + by_shift;
+        fastest = fastest.max((by_translation + turns) * pixels);
     }
     Ok(if fastest > 0.0 && fastest.is_finite() {
         STEP_PIXELS / fastest

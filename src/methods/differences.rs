@@ -24,7 +24,7 @@ use std::array::from_fn;
 /// Renderings that one difference takes.
 pub const IMAGES: usize = 4;
 
-/// The gradient image along `direction`, by differences.
+/// The gradient image along `direction`, by differences of the usual step.
 pub fn forward(
     scene: &Scene,
     workers: &Workers,
@@ -32,9 +32,21 @@ pub fn forward(
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
+    let step = step(scene, settings, direction)?;
+    forward_by_step(scene, workers, settings, direction, step, progress)
+}
+
+/// The same by a step of one's own.
+pub fn forward_by_step(
+    scene: &Scene,
+    workers: &Workers,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    step: f64,
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     let refused = |e: crate::scene::SceneError| EngineError::Refused(e.to_string());
-    let step = step(scene, settings, direction)?;
     statistics.notes.push(format!(
         "finite differences with steps of {step:.3e} and twice that"
     ));

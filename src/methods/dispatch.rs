@@ -45,6 +45,18 @@ pub fn forward(
     Ok(done)
 }
 
+/// The same by finite differences with a step of one's own.
+pub fn difference(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    step: f64,
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
+    let workers = Workers::new(settings.threads)?;
+    differences::forward_by_step(scene, &workers, settings, direction, step, progress)
+}
+
 /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
 pub fn backward(
     scene: &Scene,

@@ -27,10 +27,11 @@ impl Edits {
     /// Notes that the numbers behind `target` have changed.
     pub fn mark(&mut self, target: Target) {
         match target {
-            Target::VertexPositions(mesh)
-            | Target::ShapeTranslation(mesh)
-            | Target::ShapeRotation(mesh)
-            | Target::ShapeScale(mesh) => self.moved[mesh] = true,
+            Target::VertexPositions(mesh) | Target::VertexNormals(mesh) => self.moved[mesh] = true,
+            Target::ShapeTranslation(body)
+            | Target::ShapeToWorld(body)
+            | Target::ShapeRotation(body)
+            | Target::ShapeScale(body) => self.moved[body.meshes()].fill(true),
             Target::Texels(texture) | Target::Texel { texture, .. } | Target::ToUv(texture) => {
                 self.textures[texture] = true
             }
@@ -39,6 +40,8 @@ impl Edits {
             Target::SensorTranslation(_)
             | Target::SensorRotation(_)
             | Target::SensorXFov(_)
+            | Target::SensorToWorld(_)
+            | Target::SensorPrincipalPoint { .. }
             | Target::DeltaLightPosition(_)
             | Target::DeltaLightTranslation(_) => {}
         }
@@ -53,7 +56,12 @@ impl Edits {
     /// A table of materials keeps nothing of their colours.
     pub fn materials(&self, scene: &Scene) -> bool {
         let slots = scene.materials.iter().flat_map(|m| m.bsdf.slots());
-        let mut kept = slots.filter(|(name, _)| matches!(*name, "alpha" | "eta"));
+        let mut kept = slots.filter(|(name, _)| {
+            matches!(
+                *name,
+                "alpha" | "alpha_u" | "alpha_v" | "eta" | "roughness" | "anisotropic"
+            )
+        });
         kept.any(|(_, texture)| self.textures[texture])
     }
 

@@ -7,6 +7,7 @@
 //! has a reverse mode) belongs in the rows of [`ESTIMATORS`], with the estimator itself beside it.
 
 use crate::boundary::cells::Cells;
+use crate::boundary::edges::Edges;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::moving::Moving;
@@ -21,6 +22,7 @@ use serde::Deserialize;
 pub enum Method {
     #[default]
     Reparam,
+    Edges,
     Interior,
     Fd,
 }
@@ -65,10 +67,16 @@ pub enum Discontinuity {
     SoftShadow,
     /// Shadows of delta lights.
     SharpShadow,
+    /// Where the picture of a projector or the beam of a spot ends.
+    BeamEdge,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,
     /// What is seen behind surfaces that do nothing to light.
     BehindNull,
+    /// Lines in which surfaces pass through one another.
+    Intersection,
+    /// Where a texture jumps.
+    TextureEdge,
 }
 
 /// How a gradient is computed.
@@ -83,7 +91,7 @@ pub enum Way {
 }
 
 /// All methods, the usual one first.
-pub const ESTIMATORS: [Estimator; 3] = [
+pub const ESTIMATORS: [Estimator; 4] = [
     Estimator {
         method: Method::Reparam,
         name: "reparam",
@@ -92,9 +100,24 @@ pub const ESTIMATORS: [Estimator; 3] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
+            Discontinuity::Intersection,
+            Discontinuity::TextureEdge,
+            Discontinuity::SharpShadow,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),
+    },
+    Estimator {
+        method: Method::Edges,
+        name: "edges",
+        title: "edges",
+        about: "Points drawn on the edges of meshes",
+        discontinuities: Discontinuities::Found(&[
+            Discontinuity::Silhouette,
+            Discontinuity::SoftShadow,
+        ]),
+        way: Way::Paths,
+        boundary: Some(|adjacency, moving| Box::new(Edges::new(adjacency, moving))),
     },
     Estimator {
         method: Method::Interior,
@@ -117,7 +140,7 @@ pub const ESTIMATORS: [Estimator; 3] = [
 ];
 
 /// Names of the interface that are still to come.
-pub const NOT_BUILT_YET: [&str; 3] = ["auto", "edges", "warped-area"];
+pub const NOT_BUILT_YET: [&str; 3] = ["auto", "loubet", "warped-area"];
 
 impl Method {
     /// What the others are checked against.
@@ -131,9 +154,10 @@ impl Method {
 
     /// Its row of the table.
     pub fn estimator(self) -> &'static Estimator {
-        let [reparam, interior, fd] = &ESTIMATORS;
+        let [reparam, edges, interior, fd] = &ESTIMATORS;
         match self {
             Method::Reparam => reparam,
+            Method::Edges => edges,
             Method::Interior => interior,
             Method::Fd => fd,
         }

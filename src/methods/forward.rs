@@ -36,10 +36,12 @@ pub fn forward(
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     let scene = prepared.scene;
-    refusals::check(scene, tangent, settings.method)?;
+    let sensor = &scene.sensors[settings.sensor];
+    refusals::check(scene, tangent, sensor, settings.method)?;
     let boundary = boundary.filter(|_| tangent.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(tangent);
+    stage.check_geometry(settings.method)?;
     let motion = Motion::new(scene, &stage.parts.geometry, tangent);
     let view = stage.view();
     let estimator = stage.estimator();

@@ -31,7 +31,7 @@ mod workers;
 pub use crate::picture::Image;
 pub use difference_step::step as difference_step;
 pub use differences::IMAGES as DIFFERENCE_IMAGES;
-pub use dispatch::{backward, forward, render};
+pub use dispatch::{backward, difference, forward, render};
 pub use edited::{Base, EditedScene};
 pub use error::EngineError;
 pub use estimators::{Discontinuity, ESTIMATORS, MakeBoundary, Method, NOT_BUILT_YET};

@@ -2,12 +2,16 @@
 
 use super::error::EngineError;
 use super::estimators::{Discontinuity, Method};
-use crate::scene::{Bsdf, Scene, SceneDifferential};
+use crate::boundary::edges::intersections;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::scene_view::SceneView;
+use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 pub fn check(
     scene: &Scene,
     request: &SceneDifferential,
+    sensor: &Sensor,
     method: Method,
 ) -> Result<(), EngineError> {
     let refuse = |what: String| Err(EngineError::Refused(what));
@@ -25,22 +29,36 @@ pub fn check(
     {
         return refuse(sharp_shadows(&scene.delta_lights[i].key));
     }
-    if !request.moves_geometry() && !request.refraction_moves(scene) {
+    let light_moves = request.delta_lights.iter().any(Option::is_some);
+    let moves = request.moves_geometry() || request.refraction_moves(scene) || light_moves;
+    if moves && misses(Discontinuity::BeamEdge) {
+        for light in &scene.delta_lights {
+            if let Some(what) = beam_edge(scene, light) {
+                return refuse(what);
+            }
+        }
+    }
+    if !moves {
         return Ok(());
     }
-    let used = || {
-        let used = scene.meshes.iter().map(|m| m.material);
-        used.map(|m| &scene.materials[m])
-    };
-    for material in used() {
+    if let Some(what) = behind_a_lens(sensor) {
+        return refuse(what);
+    }
+    let used = scene.meshes.iter().flat_map(|m| scene.parts_of(m.material));
+    for m in used {
+        let material = &scene.materials[m];
         let key = &material.key;
+        if scene.passes_straight_on(m) && misses(Discontinuity::BehindNull) {
+            let what = if material.bsdf == Bsdf::Null {
+                "behind a null surface edges are not found, so gradients by what moves would be wrong; \
+                 take the surface out"
+            } else {
+                "behind a mask edges are not found, so gradients by what moves would be wrong; \
+                 cut the mask's outline out of the mesh, or make the mask opaque"
+            };
+            return refuse(format!("{key}: {what}"));
+        }
         match material.bsdf {
-            Bsdf::Null if misses(Discontinuity::BehindNull) => {
-                return refuse(format!(
-                    "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
-                     take the surface out"
-                ));
-            }
             Bsdf::Conductor {
                 microfacets: None, ..
             }
@@ -49,10 +67,17 @@ pub fn check(
             }
             | Bsdf::Plastic {
                 microfacets: None, ..
-            } if misses(Discontinuity::Mirrored) => {
+            }
+            | Bsdf::ThinDielectric { .. }
+                if misses(Discontinuity::Mirrored) =>
+            {
                 return refuse(format!(
                     "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                     moves would be wrong; use its rough variant with an alpha such as 0.01"
+                     moves would be wrong; use {} with an alpha such as 0.01",
+                    match material.bsdf {
+                        Bsdf::ThinDielectric { .. } => "two sheets of roughdielectric",
+                        _ => "its rough variant",
+                    }
                 ));
             }
             _ => {}
@@ -66,6 +91,86 @@ pub fn check(
     Ok(())
 }
 
+/// Refuses scenes with jumps that meshes alone do not tell of, if the method does not find them.
+pub fn check_geometry(
+    view: &SceneView,
+    adjacency: &Adjacency,
+    method: Method,
+) -> Result<(), EngineError> {
+    let geometry = view.geometry;
+    let id = |mesh: usize| &view.scene.meshes[mesh].id;
+    let has_rulings = |mesh: &usize| {
+        let pattern = &geometry.patterns[*mesh];
+        pattern.as_ref().is_some_and(|p| !p.rulings.is_empty())
+    };
+    if method.misses(Discontinuity::TextureEdge)
+        && let Some(mesh) = (0..geometry.patterns.len()).find(has_rulings)
+    {
+        return Err(EngineError::Refused(format!(
+            "{}: the edges of its checkerboard or unfiltered bitmap are not found by {}, so gradients by what moves \
+             would be wrong; use --method reparam",
+            id(mesh),
+            method.name()
+        )));
+    }
+    if method.misses(Discontinuity::Intersection)
+        && let Some([one, other]) = intersections::find(view, adjacency)
+    {
+        let what = if one == other {
+            format!("{} passes through itself", id(one))
+        } else {
+            format!("{} and {} pass through each other", id(one), id(other))
+        };
+        return Err(EngineError::Refused(format!(
+            "{what}: the lines in which surfaces meet are not found by {}, so gradients by what moves would be wrong; \
+             use --method reparam",
+            method.name()
+        )));
+    }
+    Ok(())
+}
+
+/// Why edges that a camera sees are not found.
+fn behind_a_lens(sensor: &Sensor) -> Option<String> {
+    let kind = match sensor.lens {
+        Lens::Pinhole => return None,
+        Lens::Thin { .. } => "through a lens with an aperture",
+        Lens::Parallel { .. } => "by a parallel projection",
+    };
+    Some(format!(
+        "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+        sensor.id
+    ))
+}
+
+/// Why the light of a beam has an edge on what it falls on, which nobody looks for.
+fn beam_edge(scene: &Scene, light: &DeltaLight) -> Option<String> {
+    let jumps = |t: usize| match scene.textures[t].layout {
+        Layout::Constant | Layout::Vertices => false,
+        Layout::Checkerboard { .. } => true,
+        Layout::Bitmap { bilinear, .. } => !bilinear,
+    };
+    let why = match light.beam?.profile {
+        BeamProfile::Projector { .. } => "what a projector shows ends at the picture's border",
+        BeamProfile::Spot {
+            beam_width_rad,
+            cutoff_rad,
+            ..
+        } if beam_width_rad >= cutoff_rad => {
+            "the beam ends at its cutoff; give it a \"beam_width\" smaller than \"cutoff_angle\""
+        }
+        BeamProfile::Spot {
+            texture: Some(texture),
+            ..
+        } if jumps(texture) => "its texture jumps; take a bitmap with a bilinear filter",
+        BeamProfile::Spot { .. } => return None,
+    };
+    Some(format!(
+        "{}: {why}, and the motion of such edges is not followed, so gradients by what moves would be wrong",
+        light.key
+    ))
+}
+
 fn sharp_shadows(light: &str) -> String {
     format!(
         "{light}: the shadows of delta lights have sharp edges that are not found, so gradients by what moves \
@@ -77,8 +182,10 @@ fn sharp_shadows(light: &str) -> String {
 /// black surfaces then.
 pub fn asks_about_black(scene: &Scene, request: &SceneDifferential) -> bool {
     scene.materials.iter().any(|m| {
-        m.bsdf.textures().into_iter().any(|t| {
-            let is_black = |texel: &[f32; 3]| texel.contains(&0.0);
+        let fractions = m.bsdf.fractions();
+        m.textures().into_iter().any(|t| {
+            let is_whole = |texel: &[f32; 3]| fractions.contains(&t) && texel.contains(&1.0);
+            let is_black = |texel: &[f32; 3]| texel.contains(&0.0) || is_whole(texel);
             request.texels[t].is_some() && scene.textures[t].texels.iter().any(is_black)
         })
     })

@@ -2,7 +2,7 @@
 //! their tiles.
 
 use super::error::EngineError;
-use super::estimators::MakeBoundary;
+use super::estimators::{MakeBoundary, Method};
 use super::group_images::GroupImages;
 use super::parts::Parts;
 use super::prepared::Prepared;
@@ -119,6 +119,18 @@ impl<'a> Stage<'a> {
         {
             let new = || Lights::new(self.scene, &self.parts.geometry, true);
             self.parts.lights = Arc::new(self.workers.pool.install(new));
+        }
+    }
+
+    /// Refuses what the method would not find in the geometry, where boundary terms are asked for.
+    pub fn check_geometry(&self, method: Method) -> Result<(), EngineError> {
+        match (self.boundary, self.parts.adjacency.get()) {
+            (Some(_), Some(adjacency)) => {
+                let view = self.view();
+                let check = || refusals::check_geometry(&view, adjacency, method);
+                self.workers.pool.install(check)
+            }
+            _ => Ok(()),
         }
     }
 

@@ -11,13 +11,16 @@ pub const MOST: f64 = 0.3;
 /// What a parameter's gradient is a part of.
 pub fn object_of(target: Target) -> Option<Object> {
     match target {
-        Target::VertexPositions(mesh)
-        | Target::ShapeTranslation(mesh)
-        | Target::ShapeRotation(mesh)
-        | Target::ShapeScale(mesh) => Some(Object::Mesh(mesh)),
-        Target::SensorTranslation(_) | Target::SensorRotation(_) | Target::SensorXFov(_) => {
-            Some(Object::Camera)
-        }
+        Target::VertexPositions(mesh) | Target::VertexNormals(mesh) => Some(Object::Mesh(mesh)),
+        Target::ShapeToWorld(body)
+        | Target::ShapeTranslation(body)
+        | Target::ShapeRotation(body)
+        | Target::ShapeScale(body) => Some(Object::Mesh(body.first)),
+        Target::SensorTranslation(_)
+        | Target::SensorRotation(_)
+        | Target::SensorXFov(_)
+        | Target::SensorToWorld(_)
+        | Target::SensorPrincipalPoint { .. } => Some(Object::Camera),
         Target::Texels(texture) | Target::Texel { texture, .. } => Some(Object::Texture(texture)),
         Target::EnvironmentScale | Target::EnvironmentRotation => Some(Object::Environment),
         // Their samples are as good as those of the colours beside them.

@@ -55,7 +55,8 @@ pub fn write_bytes(
     atomic::write(path, |file| file.write_all(&bytes))
 }
 
-fn encode_file(
+/// The bytes of a file of rows of RGB bytes.
+pub fn encode_file(
     width: usize,
     height: usize,
     rgb: &[u8],

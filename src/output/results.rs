@@ -71,9 +71,17 @@ fn check_tensors(tensors: &[Tensor]) -> Result<(), NotFinite> {
     }
 }
 
+/// The image as an array, for programs: written by jobs that ask for it by name, and no others.
+const ON_REQUEST: &str = "image.npy";
+
+/// Whether a file is to be written, given the names that a job asks for, if it names any.
+pub fn is_wanted(name: &str, asked_for: Option<&[String]>) -> bool {
+    asked_for.map_or(name != ON_REQUEST, |names| names.iter().any(|n| n == name))
+}
+
 /// Names of the files of `render`, `forward` and `backward`, in the order in which they are
 /// written.
-pub const RENDER: [&str; 2] = ["image.exr", "image.png"];
+pub const RENDER: [&str; 3] = ["image.exr", "image.png", ON_REQUEST];
 pub const FORWARD: [&str; 5] = [
     "gradient.exr",
     "gradient.npy",
@@ -86,10 +94,11 @@ pub const BACKWARD: [&str; 3] = ["gradients.safetensors", "gradients.npz", "imag
 /// An image.
 pub fn rendered(image: &Image) -> Result<Vec<ResultFile<'_>>, NotFinite> {
     check_image("image", image)?;
-    let [exr_name, png_name] = RENDER;
+    let [exr_name, png_name, npy_name] = RENDER;
     Ok(vec![
         ResultFile::new("image", exr_name, |path| exr::write(path, image)),
         ResultFile::new("image_png", png_name, |path| png::write_image(path, image)),
+        ResultFile::new("image_npy", npy_name, |path| npy::write_image(path, image)),
     ])
 }
 

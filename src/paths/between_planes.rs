@@ -69,12 +69,14 @@ const ROUNDING: f32 = 1e-5;
 
 impl SceneView<'_> {
     /// Leaves out what is alike on both sides of bends: emission, and light samples from elsewhere
-    /// than between the planes.
+    /// than between the planes. Where somebody else looks for the edges at which a surface turns
+    /// away from delta lights, these are left out altogether.
     pub fn keep_between(
         &self,
         between: &BetweenPlanes,
         vertices: &mut Vertices,
         surface: &Surface,
+        with_delta_lights: bool,
         store: &mut TileStore,
     ) {
         let keep = |counts: u32, weight: Lane| {
@@ -92,9 +94,14 @@ impl SceneView<'_> {
             sample.weight = keep(between.count(sample.direction), sample.weight);
         }
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
-        let seen = &mut store.delta_visible[from..to];
-        for (light, seen) in self.scene.delta_lights.iter().zip(seen) {
-            *seen &= between.count(toward(light, surface.x).0);
+        let sights = &mut store.delta_visible[from..to];
+        for (light, sight) in self.scene.delta_lights.iter().zip(sights) {
+            let counts = if with_delta_lights {
+                between.count(toward(light, surface.x).0)
+            } else {
+                !between.lanes
+            };
+            sight.seen &= counts;
         }
     }
 }
@@ -127,6 +134,9 @@ mod tests {
                 geometric: from_lanes(&std::array::from_fn(|l| sides[l % 2])),
                 b: [Lane::splat(0.0); 2],
                 interface: None,
+                base_n: from_lanes(&[Vec3::Z; LANES]),
+                layers: None,
+                black_goes_on: false,
             };
             let between = BetweenPlanes::new(0b11, &surface);
             let rim = between.rim(&Vertices::default(), &surface).to_array();

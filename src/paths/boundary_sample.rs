@@ -11,11 +11,23 @@ use crate::scene::Rgb;
 #[derive(Clone, Copy, Debug)]
 pub struct BoundarySample {
     pub boundary: Boundary,
+    /// Given if the boundary is that of a delta light's shadow.
+    pub shadow: Option<Shadow>,
     /// Of the packet whose vertex it belongs to; of no meaning on the film.
     pub lane: u8,
     pub at: Coordinate,
     /// Radiance per unit of Ḟ, all at θ₀; on the film in radiance times pixels.
     pub weight: Rgb,
+}
+
+/// A boundary that is seen toward a delta light, from where the ray at the coordinate meets a
+/// triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Shadow {
+    /// Among the scene's delta lights.
+    pub light: u32,
+    /// The triangle that the shadow falls on.
+    pub receiver: u32,
 }
 
 /// What stays fixed while the boundary moves.

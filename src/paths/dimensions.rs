@@ -52,12 +52,17 @@ impl Pair {
 pub enum Single {
     /// How far a tile's lattice is shifted: axis.
     LatticeShift,
+    /// Where a camera ray leaves the lens: sample, axis.
+    LensPoint,
     /// Where a point of the pilot lies that says with what the film drifts: node, point, axis.
     DriftPoint,
     /// Where a line of the pilot lies that looks for crowds on the film: block, line, axis.
     CrowdLine,
     /// Which of several edges in a cell of the film: cell.
     FilmEdge,
+    /// Whether a cell of the film is searched both of whose ends a delta light's shadow hides: cell,
+    /// light.
+    FilmShadow,
     /// Which family of lines over the environment map, for a packet: index, depth.
     EnvironmentFamily,
     /// Which family of lines over diffuse lobes, for a packet: index, depth.
@@ -70,6 +75,16 @@ pub enum Single {
     LobeLane,
     /// Which of several edges in a cell of a line over a lobe: index, depth, cell.
     LobeEdge,
+    /// Where on the edges of a tile of the film a point lies: number of the point.
+    FilmEdgePoint,
+    /// Which edge over a lobe, and where on it: index, depth, which of the two.
+    LobeEdgePoint,
+    /// The same of edges before a light.
+    LightEdgePoint,
+    /// The same of edges before the environment map.
+    MapEdgePoint,
+    /// Which of the materials that a surface is made of a path meets: index, depth.
+    Choice,
 }
 
 /// Streams of their own, with what tells several of them apart.
@@ -79,6 +94,10 @@ pub enum Branch {
     FilmProbe,
     /// Paths that begin beside what a lobe sees: depth.
     LobeProbe,
+    /// Paths that begin beside an edge that the camera sees.
+    FilmEdgeProbe,
+    /// Paths that begin beside an edge that a lobe sees: depth.
+    LobeEdgeProbe,
 }
 
 impl Stream {

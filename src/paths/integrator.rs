@@ -105,6 +105,7 @@ impl Integrator<'_> {
                 before,
                 store,
             );
+            self.view.choose(&mut vertices, &numbers);
             let surface = self.view.surface(&mut vertices);
             self.mis_weigh_emission(&mut vertices, &path, store);
             let segments = depth + 2;
@@ -117,8 +118,10 @@ impl Integrator<'_> {
             let between = (start.between_planes != 0 && depth == start.depth)
                 .then(|| BetweenPlanes::new(start.between_planes, &surface));
             if let Some(between) = &between {
+                // On the film they have a search of their own.
+                let with_delta_lights = depth > 0;
                 self.view
-                    .keep_between(between, &mut vertices, &surface, store);
+                    .keep_between(between, &mut vertices, &surface, with_delta_lights, store);
             }
             if !bounces {
                 store.vertices.push(vertices);
@@ -258,7 +261,7 @@ impl Integrator<'_> {
             next.active &= between.count(next.direction);
         }
         path.rays = next;
-        path.throughput = path.throughput.times(vertices.weight) * (vertices.survival * rim);
+        path.throughput = vertices.throughput.times(vertices.weight) * (vertices.survival * rim);
         path.coherence = Coherence::Incoherent;
     }
 
@@ -333,7 +336,7 @@ impl Integrator<'_> {
             return;
         };
         let view = self.view;
-        let drawn = from.lobes.diffuse | (from.lobes.reflected & from.kinds.wide);
+        let drawn = from.shares_lights();
         let one = Lane::splat(1.0);
         vertices.emission_weight = one;
         if !view.lights.is_empty() && vertices.hit != 0 {

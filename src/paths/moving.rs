@@ -18,6 +18,7 @@ pub struct Moving {
     /// Whether all points move against what they see.
     everything: bool,
     mesh: Vec<bool>,
+    delta_light: Vec<bool>,
     /// Around each mesh that moves.
     boxes: Vec<AlignedBox>,
 }
@@ -78,6 +79,7 @@ impl Moving {
         Self {
             everything,
             mesh,
+            delta_light: asked.delta_lights.iter().map(Option::is_some).collect(),
             boxes,
         }
     }
@@ -94,6 +96,17 @@ impl Moving {
         (0..LANES)
             .filter(|&l| moves(triangle[l]))
             .fold(0, |bits, l| bits | 1 << l)
+    }
+
+    /// Whether anything moves in the scene.
+    pub(crate) fn anything(&self) -> bool {
+        self.everything || self.mesh.contains(&true) || self.delta_light.contains(&true)
+    }
+
+    /// Whether a delta light moves against what rests, or the triangle that it shines on.
+    pub(crate) fn shines_anew(&self, geometry: &Geometry, light: usize, receiver: u32) -> bool {
+        let mesh = geometry.mesh_of_triangle[receiver as usize] as usize;
+        self.everything || self.delta_light[light] || self.mesh[mesh]
     }
 
     /// Whether a vertex moves as seen from what rests.

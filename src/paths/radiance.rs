@@ -43,7 +43,7 @@ impl SceneView<'_> {
         let mut sum = V3::splat(0.0);
         if !self.lights.is_empty() && vertices.hit != 0 {
             let emitted = self.emission(vertices) * vertices.emission_weight;
-            let mut found = vertices.throughput.times(emitted);
+            let mut found = vertices.arriving_throughput().times(emitted);
             if let (Some(from), true) = (from, vertices.sampled != 0) {
                 let sampled = from.throughput.times(vertices.sampled_value);
                 found = V3::select(lane_mask(vertices.sampled), sampled.times(emitted), found);

@@ -29,7 +29,9 @@ pub struct Vertices {
     /// ±1: the side of the shading normal that looks back along the ray.
     pub facing: Lane,
     pub kinds: Kinds,
-    /// Product of weights before this vertex.
+    /// Which material each lane has met, where surfaces are made of several.
+    pub choice: Option<Box<Choice>>,
+    /// Product of weights before this vertex, and of that of the choice.
     pub throughput: V3<Lane>,
     /// Diffuse reflectance here, where there is nothing else; zero where the surface is black from
     /// this side.
@@ -63,10 +65,21 @@ pub struct Vertices {
     pub line_survival: Lane,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],
-    /// Lanes that see each delta light, likewise.
+    /// Which lanes see each delta light, likewise.
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
     pub environment: [u32; 2],
+}
+
+/// Of the materials that a surface is made of, the one that each lane has met.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// Its number among those of the surface (`paths::surface::choice`).
+    pub part: [u16; LANES],
+    /// One over the chance that it was chosen with.
+    pub inverse_chance: Lane,
+    /// Product of weights before the choice.
+    pub arriving: V3<Lane>,
 }
 
 /// A sample of the environment map in each lane.
@@ -82,12 +95,22 @@ pub struct EnvironmentSample {
     pub value: V3<Lane>,
 }
 
+/// Whether a delta light is seen, a bit a lane. Of lanes that it cannot light neither is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DeltaSight {
+    pub seen: u32,
+    /// Something stands before it.
+    pub hidden: u32,
+}
+
 /// The lobe that was drawn, a bit a lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lobes {
     pub diffuse: u32,
     pub reflected: u32,
     pub refracted: u32,
+    /// Of those that are reflected: by a clear coat above the rest.
+    pub coat: u32,
 }
 
 impl Lobes {
@@ -106,11 +129,24 @@ impl Lobes {
             is_diffuse: mask(self.diffuse),
             is_reflected: mask(self.reflected),
             is_refracted: mask(self.refracted),
+            is_coat: mask(self.coat),
         }
     }
 }
 
 impl Vertices {
+    /// Product of weights before this vertex.
+    pub fn arriving_throughput(&self) -> V3<Lane> {
+        self.choice
+            .as_ref()
+            .map_or(self.throughput, |choice| choice.arriving)
+    }
+
+    /// Lanes whose lobe shares the lights with light samples.
+    pub fn shares_lights(&self) -> u32 {
+        self.lobes.diffuse | (self.lobes.reflected & self.kinds.wide & !self.lobes.coat)
+    }
+
     /// Where a lane's ray ends, in f64.
     pub fn position(&self, geometry: &Geometry, lane: usize) -> DVec3 {
         let of = |v: V3<Lane>| {
@@ -154,6 +190,7 @@ impl Default for Vertices {
             triangle: [NO_TRIANGLE; LANES],
             facing: one,
             kinds: Kinds::default(),
+            choice: None,
             throughput: V3::splat(1.0),
             diffuse_reflectance: V3::splat(0.0),
             emission_weight: zero,
@@ -190,8 +227,8 @@ pub struct TileStore {
     /// Vertices by packet and depth: packet p's are `vertices[depths[p]..depths[p + 1]]`.
     pub vertices: Vec<Vertices>,
     pub depths: Vec<u32>,
-    /// Lanes that see a delta light: for each vertex one entry a light.
-    pub delta_visible: Vec<u32>,
+    /// Which lanes see each delta light: for each vertex one entry a light.
+    pub delta_visible: Vec<DeltaSight>,
     pub environment_samples: Vec<EnvironmentSample>,
     /// What jumps in the vertices' integrals, and then what jumps on the film.
     pub found: Found,
@@ -235,8 +272,8 @@ impl TileStore {
         &self.found.samples[self.vertex_samples..]
     }
 
-    /// The lanes of a vertex that see each delta light.
-    pub fn delta_visible(&self, vertices: &Vertices) -> &[u32] {
+    /// Which lanes of a vertex see each delta light.
+    pub fn delta_visible(&self, vertices: &Vertices) -> &[DeltaSight] {
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
         &self.delta_visible[from..to]
     }

@@ -3,7 +3,9 @@
 use super::format::Format;
 use super::pfm;
 use image::ImageDecoder;
-use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
+use image::codecs::{
+    bmp::BmpDecoder, hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder, tga::TgaDecoder,
+};
 use std::io::Cursor;
 
 /// Width and height in texels of a picture whose file begins with `bytes`; `None` if they do not
@@ -14,6 +16,8 @@ pub fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
         Format::Png => PngDecoder::new(from).ok()?.dimensions(),
         Format::Jpeg => JpegDecoder::new(from).ok()?.dimensions(),
         Format::Hdr => HdrDecoder::new_nonstrict(from).ok()?.dimensions(),
+        Format::Bmp => BmpDecoder::new(from).ok()?.dimensions(),
+        Format::Tga => TgaDecoder::new(from).ok()?.dimensions(),
         Format::Exr => {
             let read = exr::meta::MetaData::read_from_buffered(from, false).ok()?;
             let sizes = read.headers.iter().map(|header| header.layer_size);

@@ -1,7 +1,7 @@
 //! Pictures from files: textures, environment maps, target images.
 //!
-//! EXR, PNG, JPEG, Radiance HDR and PFM are read by what is built in; with the feature `oiio`,
-//! other formats by OpenImageIO. What a file holds decides which, not what it is called.
+//! EXR, PNG, JPEG, Radiance HDR, PFM, BMP and TGA are read by what is built in; with the feature
+//! `oiio`, other formats by OpenImageIO. What a file holds decides which, not what it is called.
 
 mod alpha;
 mod decoded;
@@ -12,11 +12,11 @@ mod ffi;
 mod format;
 mod header;
 mod image;
+mod integers_hdr;
 mod jpeg_end;
 #[cfg(feature = "oiio")]
 pub mod oiio;
 mod pfm;
-mod png_jpeg_hdr;
 mod size;
 mod srgb;
 mod wanted;
@@ -60,10 +60,12 @@ pub fn decode(
     }
     let picture = match Format::of(bytes) {
         Some(Format::Exr) => exr::decode(bytes, channels),
-        Some(Format::Png) => png_jpeg_hdr::png(bytes, colours),
-        Some(Format::Jpeg) => png_jpeg_hdr::jpeg(bytes, colours),
-        Some(Format::Hdr) => png_jpeg_hdr::hdr(bytes),
+        Some(Format::Png) => integers_hdr::png(bytes, colours),
+        Some(Format::Jpeg) => integers_hdr::jpeg(bytes, colours),
+        Some(Format::Hdr) => integers_hdr::hdr(bytes),
         Some(Format::Pfm) => pfm::decode(bytes),
+        Some(Format::Bmp) => integers_hdr::bmp(bytes, colours),
+        Some(Format::Tga) => integers_hdr::tga(bytes, colours),
         #[cfg(feature = "oiio")]
         None => return oiio::read(file, colours),
         #[cfg(not(feature = "oiio"))]

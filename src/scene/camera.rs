@@ -1,16 +1,25 @@
 //! Sensor, film, filter and sampler from their elements, with Mitsuba 3's defaults.
 
-use super::data::{Film, Filter, Sensor};
+use super::data::{Film, Filter, Lens, Mesh, Sensor};
 use super::error::SceneError;
 use super::nearest::shown;
 use super::rigid::rigid;
 use super::xml::{Object, Tree};
-use glam::Vec2;
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec2, Vec3};
 
 /// Film pixels in each direction: more is a typing error, and indices stay within 32 bits.
 const MAX_FILM_SIDE_PIXELS: u32 = 65_536;
 
-/// `perspective`, under the id it will be listed with.
+const DEFAULT_FILM: Film = Film {
+    width: 768,
+    height: 576,
+    crop_offset: [0, 0],
+    crop_size: [768, 576],
+    filter: Filter::Gaussian { stddev: 0.5 },
+    sample_border: false,
+};
+
+/// `perspective`, `thinlens` or `orthographic`, under the id it will be listed with.
 pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor, SceneError> {
     let mut film_element = None;
     let mut sampler_element = None;
@@ -37,8 +46,8 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
             )
         }
     };
-    // A pinhole has all in focus, and nothing moves while the shutter is open.
-    for name in ["focus_distance", "shutter_open", "shutter_close"] {
+    // Nothing moves while the shutter is open.
+    for name in ["shutter_open", "shutter_close"] {
         object.float(name)?;
     }
     let near_clip = object.positive("near_clip", 1e-2)?;
@@ -48,21 +57,115 @@ pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor,
             format!("\"near_clip\" ({near_clip}) must be smaller than \"far_clip\" ({far_clip})");
         return Err(object.property_error("near_clip", what));
     }
+    let aspect = f64::from(film.width) / f64::from(film.height);
+    let (lens, to_world, x_fov_rad, clip) = match object.plugin.as_str() {
+        "orthographic" => {
+            let (to_world, sides) = scaled(object)?;
+            // The near plane is scaled with the camera, what lies between the planes is not.
+            let near = near_clip * sides.z;
+            let clip = [near, near + far_clip - near_clip];
+            let half_sides = sides.truncate().as_vec2();
+            (Lens::Parallel { half_sides }, to_world, 1.0, clip)
+        }
+        plugin => {
+            let lens = match plugin {
+                "thinlens" => thin_lens(object, far_clip)?,
+                _ => {
+                    // A pinhole has all in focus.
+                    object.float("focus_distance")?;
+                    Lens::Pinhole
+                }
+            };
+            let to_world = rigid(object, "the camera's")?;
+            (
+                lens,
+                to_world,
+                x_fov_rad(object, aspect)?,
+                [near_clip, far_clip],
+            )
+        }
+    };
     let offset = |name| Ok::<_, SceneError>(object.float(name)?.unwrap_or(0.0) as f32);
     Ok(Sensor {
         id,
-        to_world: rigid(object, "the camera's")?.as_affine3a(),
-        x_fov_rad: x_fov_rad(object, f64::from(film.width) / f64::from(film.height))? as f32,
-        near_clip: near_clip as f32,
-        far_clip: far_clip as f32,
-        principal_point_offset: Vec2::new(
-            offset("principal_point_offset_x")?,
-            offset("principal_point_offset_y")?,
-        ),
+        to_world: to_world.as_affine3a(),
+        x_fov_rad: x_fov_rad as f32,
+        lens,
+        near_clip: clip[0] as f32,
+        far_clip: clip[1] as f32,
+        principal_point_offset: match lens {
+            Lens::Pinhole => Vec2::new(
+                offset("principal_point_offset_x")?,
+                offset("principal_point_offset_y")?,
+            ),
+            _ => Vec2::ZERO,
+        },
         film,
         sample_count,
         seed,
     })
+}
+
+fn thin_lens(object: &Object, far_clip: f64) -> Result<Lens, SceneError> {
+    let Some(radius) = object.float("aperture_radius")? else {
+        let what = "a thin lens has an \"aperture_radius\", in the units of the scene";
+        return Err(object.error(what));
+    };
+    if radius < 0.0 {
+        let what = format!("\"aperture_radius\" must not be negative: {radius}");
+        return Err(object.property_error("aperture_radius", what));
+    }
+    let focus_distance = object.positive("focus_distance", far_clip)?;
+    Ok(Lens::Thin {
+        aperture_radius: radius as f32,
+        focus_distance: focus_distance as f32,
+    })
+}
+
+/// A `to_world` that may scale along its own axes, as a rigid one and the factors.
+fn scaled(object: &Object) -> Result<(DAffine3, DVec3), SceneError> {
+    let to_world = object.transform("to_world")?;
+    let m = to_world.matrix3;
+    let sides = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
+    let unit = |axis: DVec3| axis.try_normalize();
+    let axes = (unit(m.x_axis), unit(m.y_axis), unit(m.z_axis));
+    if let (Some(x), Some(y), Some(z)) = axes
+        && [x.dot(y), y.dot(z), z.dot(x)]
+            .iter()
+            .all(|c| c.abs() < 1e-3)
+    {
+        let axes = DMat3::from_cols(x, y, z);
+        let rigid = DAffine3::from_mat3_translation(axes, to_world.translation);
+        return Ok((rigid, sides));
+    }
+    let what = "the camera's to_world is skewed or flat; only rotations, translations and scales along its own axes \
+                are allowed";
+    Err(object.property_error("to_world", what))
+}
+
+/// The camera of a scene that has none: it sees everything, along +z.
+pub(super) fn overview(meshes: &[Mesh]) -> Sensor {
+    let positions = || meshes.iter().flat_map(|m| &m.positions);
+    let low = positions().copied().reduce(Vec3::min).unwrap_or(-Vec3::ONE);
+    let high = positions().copied().reduce(Vec3::max).unwrap_or(Vec3::ONE);
+    let x_fov_rad = 45f32.to_radians();
+    let size = (high - low).max_element().max(1e-3);
+    // The film is wider than high.
+    let distance = 1.05 * size * 4.0 / 3.0 * 0.5 / (0.5 * x_fov_rad).tan();
+    let middle = 0.5 * (low + high);
+    let from = Vec3::new(middle.x, middle.y, low.z - distance);
+    Sensor {
+        id: "PerspectiveCamera".into(),
+        to_world: Affine3A::from_translation(from),
+        x_fov_rad,
+        lens: Lens::Pinhole,
+        near_clip: 0.01 * distance,
+        far_clip: 5.0 * size + distance,
+        principal_point_offset: Vec2::ZERO,
+        film: DEFAULT_FILM,
+        sample_count: 4,
+        seed: 0,
+    }
 }
 
 /// The diagonal of a film frame of 35 mm, in millimetres, to which focal lengths refer.
@@ -88,7 +191,8 @@ fn diagonal_fov_deg(object: &Object) -> Result<f64, SceneError> {
     }
 }
 
-fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
+/// The horizontal opening angle of a film of this aspect ratio (width over height).
+pub(super) fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
     let fov_deg = object.float("fov")?;
     if fov_deg.is_some() && object.has("focal_length") {
         let what = "give either \"fov\" or \"focal_length\", not both";
@@ -132,14 +236,7 @@ fn x_fov_rad(object: &Object, aspect: f64) -> Result<f64, SceneError> {
 
 fn film(tree: &Tree, object: Option<&Object>) -> Result<Film, SceneError> {
     let Some(object) = object else {
-        return Ok(Film {
-            width: 768,
-            height: 576,
-            crop_offset: [0, 0],
-            crop_size: [768, 576],
-            filter: Filter::Gaussian { stddev: 0.5 },
-            sample_border: false,
-        });
+        return Ok(DEFAULT_FILM);
     };
     let side = |name, default| {
         let value = object.count(name, default, 1)?;

@@ -1,7 +1,7 @@
 //! A tangent or a cotangent of a scene: one number for every number that can move.
 
 use super::{Normals, Rgb, Scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Forward dScene/dθ, backward dLoss/dScene. What is `None` does not move, or is not asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +39,10 @@ pub struct CameraDifferential {
     pub rotation: Vec3,
     /// Degrees, as in the file.
     pub x_fov_deg: f32,
+    /// Of the axes, besides the rotation: the columns of a change of `to_world` that is not rigid.
+    pub axes: [Vec3; 3],
+    /// Of the principal point, as a fraction of the film's width and height.
+    pub principal_point_offset: Vec2,
 }
 
 impl SceneDifferential {
@@ -60,10 +64,17 @@ impl SceneDifferential {
         self.camera.is_some() || self.positions.iter().any(Option::is_some)
     }
 
-    /// Whether an index of refraction changes that bends rays.
+    /// Whether an index of refraction changes that bends rays, or a picture that turns normals.
     pub fn refraction_moves(&self, scene: &Scene) -> bool {
+        let turns = |t: usize| self.texels[t].is_some() || self.to_uv[t].is_some();
+        let mut reliefs = scene.materials.iter().filter_map(|m| m.relief);
+        reliefs.any(|r| turns(r.texture)) || self.bends(scene)
+    }
+
+    fn bends(&self, scene: &Scene) -> bool {
         scene.materials.iter().any(|m| match m.bsdf {
             super::Bsdf::Dielectric { eta, .. } => self.texels[eta].is_some(),
+            super::Bsdf::Principled(p) => p.transmits && self.texels[p.eta].is_some(),
             _ => false,
         })
     }
@@ -75,7 +86,10 @@ impl SceneDifferential {
 
     /// Whether anything moves edges that something may see.
     pub fn moves_edges(&self, scene: &Scene) -> bool {
-        self.moves_geometry() || self.refraction_moves(scene) || self.turns_environment(scene)
+        self.moves_geometry()
+            || self.refraction_moves(scene)
+            || self.turns_environment(scene)
+            || self.delta_lights.iter().any(Option::is_some)
     }
 
     /// Makes room (zeros) for the texels of a texture.
@@ -121,6 +135,8 @@ impl SceneDifferential {
             parts.extend(vectors(&d.positions));
             parts.extend(vectors(&d.given_normals));
             parts.push(vec![environment.scale, camera.x_fov_deg]);
+            parts.push(camera.principal_point_offset.to_array().to_vec());
+            parts.push(camera.axes.iter().flat_map(|a| a.to_array()).collect());
             for rotation in [environment.rotation, camera.translation, camera.rotation] {
                 parts.push(rotation.to_array().to_vec());
             }
@@ -179,6 +195,9 @@ impl SceneDifferential {
                 translation: average(&|d| of(d).translation),
                 rotation: average(&|d| of(d).rotation),
                 x_fov_deg: average(&|d| Vec3::splat(of(d).x_fov_deg)).x,
+                axes: [0, 1, 2].map(|i| average(&|d| of(d).axes[i])),
+                principal_point_offset: average(&|d| of(d).principal_point_offset.extend(0.0))
+                    .truncate(),
             });
         }
         mean

@@ -25,6 +25,7 @@ pub(super) fn area(
         let what = "an area emitter has no to_world of its own: it goes with its shape";
         return Err(object.property_error("to_world", what));
     }
+    object.float("sampling_weight")?;
     let mut slots = slots(input, textures, object, key);
     slots.only(&["radiance"])?;
     slots.texture("radiance", [1.0; 3], POSITIVE)
@@ -115,10 +116,15 @@ pub(super) fn delta_light<'a>(
         }
     };
     let power = slots(input, textures, object, &key).texture(power, [1.0; 3], POSITIVE)?;
-    Ok(DeltaLight { key, kind, power })
+    Ok(DeltaLight {
+        key,
+        kind,
+        power,
+        beam: None,
+    })
 }
 
-fn slots<'r, 'a>(
+pub(super) fn slots<'r, 'a>(
     input: &'r mut Input<'a>,
     textures: &'r mut Textures,
     object: &'a Object,

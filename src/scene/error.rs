@@ -32,6 +32,12 @@ pub enum SceneError {
         /// What is wrong, and what would be right.
         what: String,
     },
+    /// Several things are wrong.
+    #[error("{}", lines(.all))]
+    Several {
+        /// In the order in which they were found.
+        all: Vec<SceneError>,
+    },
     /// A mesh file is wrong.
     #[error("{file}{at}: {what} (mesh of the shape at {used_at})")]
     Mesh {
@@ -75,7 +81,30 @@ pub enum SceneError {
 impl SceneError {
     /// Whether the system failed (exit code 4) rather than the input being bad (exit code 3).
     pub fn is_io(&self) -> bool {
-        matches!(self, SceneError::Io { .. })
+        match self {
+            SceneError::Io { .. } => true,
+            SceneError::Several { all } => all.iter().all(SceneError::is_io),
+            _ => false,
+        }
+    }
+
+    /// All that is wrong, each once; nothing if nothing is.
+    pub fn all(errors: Vec<SceneError>) -> Result<(), SceneError> {
+        let mut all: Vec<SceneError> = Vec::new();
+        for error in errors {
+            let text = error.to_string();
+            if all.iter().all(|e| e.to_string() != text) {
+                all.push(error);
+            }
+        }
+        match all.pop() {
+            None => Ok(()),
+            Some(only) if all.is_empty() => Err(only),
+            Some(last) => {
+                all.push(last);
+                Err(SceneError::Several { all })
+            }
+        }
     }
 
     /// The scene file is wrong at `place`.
@@ -90,4 +119,20 @@ impl SceneError {
     pub fn parameter(what: impl Into<String>) -> Self {
         SceneError::Parameter { what: what.into() }
     }
+}
+
+/// More than these are counted, not printed.
+const ERRORS_PRINTED: usize = 20;
+
+/// One a line.
+fn lines(all: &[SceneError]) -> String {
+    let mut lines: Vec<String> = all
+        .iter()
+        .take(ERRORS_PRINTED)
+        .map(SceneError::to_string)
+        .collect();
+    if all.len() > ERRORS_PRINTED {
+        lines.push(format!("and {} more", all.len() - ERRORS_PRINTED));
+    }
+    lines.join("\n")
 }

@@ -24,6 +24,12 @@ pub(super) fn integrator(
     // How work is cut into pieces changes no image.
     object.integer("samples_per_pass")?;
     object.integer("block_size")?;
+    if object.plugin == "direct" {
+        // How often each of two ways to find light is gone changes no mean, while both are.
+        for name in ["shading_samples", "emitter_samples", "bsdf_samples"] {
+            object.count(name, 1, 0)?;
+        }
+    }
     match object.plugin.as_str() {
         "aov" | "moment" => {
             remark("gives the image of the integrator inside it, and nothing else");

@@ -1,11 +1,13 @@
 //! The scene as plain data, how it is loaded, and its tangents and cotangents.
 
+mod beam;
 mod camera;
 pub mod data;
 pub mod differential;
 mod emitter;
 pub mod error;
 mod input;
+mod instance;
 mod integrator;
 pub mod iors;
 mod load;
@@ -28,5 +30,5 @@ mod xml;
 pub use data::*;
 pub use differential::{CameraDifferential, EnvironmentDifferential, SceneDifferential};
 pub use error::{Place, SceneError};
-pub use load::{load, load_from};
+pub use load::{load, load_from, load_to_list};
 pub use vertex_normals::vertex_normals;

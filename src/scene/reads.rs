@@ -6,8 +6,25 @@ use super::xml::Object;
 pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
     match (object.tag, object.plugin.as_str()) {
         ("integrator", "aov" | "moment") => &["aovs"],
-        ("integrator", plugin) if plugin.starts_with("direct") => &["rr_depth", "hide_emitters"],
+        ("integrator", plugin) if plugin.starts_with("direct") => &[
+            "rr_depth",
+            "hide_emitters",
+            "shading_samples",
+            "emitter_samples",
+            "bsdf_samples",
+        ],
         ("integrator", _) => &["max_depth", "rr_depth", "hide_emitters"],
+        ("sensor", "orthographic") => &["to_world", "near_clip", "far_clip"],
+        ("sensor", "thinlens") => &[
+            "fov",
+            "fov_axis",
+            "focal_length",
+            "aperture_radius",
+            "focus_distance",
+            "to_world",
+            "near_clip",
+            "far_clip",
+        ],
         ("sensor", _) => &[
             "fov",
             "fov_axis",
@@ -35,10 +52,26 @@ pub(super) fn properties_of(object: &Object) -> &'static [&'static str] {
         ("rfilter", "gaussian") => &["stddev"],
         ("shape", plugin) => properties_of_shape(plugin),
         ("bsdf", plugin) => properties_of_bsdf(plugin),
+        ("texture", "mesh_attribute") => &["name", "scale"],
         ("texture", "bitmap") => &["filename", "raw", "wrap_mode", "filter_type", "to_uv"],
         ("texture", _) => &["color0", "color1", "to_uv"],
         ("emitter", "envmap") => &["filename", "scale", "to_world"],
         ("emitter", "point") => &["position", "intensity", "to_world"],
+        ("emitter", "spot") => &[
+            "intensity",
+            "texture",
+            "cutoff_angle",
+            "beam_width",
+            "to_world",
+        ],
+        ("emitter", "projector") => &[
+            "irradiance",
+            "scale",
+            "fov",
+            "fov_axis",
+            "focal_length",
+            "to_world",
+        ],
         ("emitter", "directional") => &["direction", "irradiance", "to_world"],
         ("emitter", _) => &["radiance"],
         _ => &[],
@@ -62,6 +95,8 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
             "flip_tex_coords",
             "to_world",
         ],
+        "shapegroup" => &[],
+        "instance" => &["to_world"],
         "cylinder" => &["p0", "p1", "radius", "flip_normals", "to_world"],
         "sphere" => &[
             "center",
@@ -77,6 +112,29 @@ fn properties_of_shape(plugin: &str) -> &'static [&'static str] {
 fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
     match plugin {
         "diffuse" => &["reflectance"],
+        "mask" => &["opacity"],
+        "normalmap" => &[
+            "normalmap",
+            "flip_invalid_normals",
+            "use_shadowing_function",
+        ],
+        "bumpmap" => &["scale", "flip_invalid_normals", "use_shadowing_function"],
+        "principled" => &[
+            "base_color",
+            "roughness",
+            "anisotropic",
+            "metallic",
+            "spec_trans",
+            "eta",
+            "specular",
+            "spec_tint",
+            "sheen",
+            "sheen_tint",
+            "flatness",
+            "clearcoat",
+            "clearcoat_gloss",
+        ],
+        "blendbsdf" => &["weight"],
         "conductor" => &["material", "eta", "k", "specular_reflectance"],
         "roughconductor" => &[
             "material",
@@ -88,7 +146,7 @@ fn properties_of_bsdf(plugin: &str) -> &'static [&'static str] {
             "alpha_u",
             "alpha_v",
         ],
-        "dielectric" => &[
+        "dielectric" | "thindielectric" => &[
             "int_ior",
             "ext_ior",
             "specular_reflectance",

@@ -12,17 +12,10 @@ const RIGID_TOLERANCE: f64 = 1e-3;
 pub(super) fn rigid(object: &Object, whose: &str) -> Result<DAffine3, SceneError> {
     let to_world = object.transform("to_world")?;
     let m = to_world.matrix3;
-    let gram = m * m.transpose();
-    for i in 0..3 {
-        for j in 0..3 {
-            let wanted = if i == j { 1.0 } else { 0.0 };
-            if (gram.col(i)[j] - wanted).abs() > RIGID_TOLERANCE {
-                let what = format!(
-                    "{whose} to_world has a scale; only rotations and translations are allowed"
-                );
-                return Err(object.property_error("to_world", what));
-            }
-        }
+    if !is_rigid(m) {
+        let what =
+            format!("{whose} to_world has a scale; only rotations and translations are allowed");
+        return Err(object.property_error("to_world", what));
     }
     // What rounding or the tolerance let through is taken out again.
     let x = m.x_axis.normalize();
@@ -32,4 +25,12 @@ pub(super) fn rigid(object: &Object, whose: &str) -> Result<DAffine3, SceneError
         DMat3::from_cols(x, y, z),
         to_world.translation,
     ))
+}
+
+/// Whether a matrix keeps lengths, within Mitsuba's tolerance.
+pub(super) fn is_rigid(m: DMat3) -> bool {
+    let gram = m * m.transpose();
+    let off = gram - DMat3::IDENTITY;
+    let entries = off.to_cols_array();
+    entries.iter().all(|x| x.abs() <= RIGID_TOLERANCE)
 }

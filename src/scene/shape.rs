@@ -1,7 +1,7 @@
 //! A shape element: its mesh, and which bsdf and emitter hang on it.
 
 use super::camera::cannot_stand_inside;
-use super::data::Mesh;
+use super::data::{Mesh, Rgb};
 use super::error::{Place, SceneError};
 use super::input::Input;
 use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives, round, serialized};
@@ -66,14 +66,27 @@ impl RoundShapes {
     }
 }
 
-/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that
-/// `is_textured` pays for texture coordinates with vertices split along seams.
+/// What texture coordinates are to a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Coordinates {
+    /// It has no use for any.
+    Idle,
+    /// They say in which direction its surface is brushed; without any its triangles do.
+    Welcome,
+    /// It has a texture.
+    Needed,
+}
+
+/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that has a use
+/// for texture coordinates pays for them with vertices split along seams. The colours of the
+/// vertices come beside it, if the file has some.
 pub(super) fn mesh(
     input: &mut Input,
     object: &Object,
-    is_textured: bool,
+    coordinates: Coordinates,
     rounds: &mut RoundShapes,
-) -> Result<(Mesh, Vec<String>), SceneError> {
+) -> Result<(Mesh, Option<Vec<Rgb>>, Vec<String>), SceneError> {
+    let is_textured = coordinates != Coordinates::Idle;
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();
     let is_file = matches!(plugin, "ply" | "obj" | "serialized");
@@ -85,7 +98,7 @@ pub(super) fn mesh(
         flip_tex_coords: is_file && object.boolean("flip_tex_coords", plugin == "obj")?,
         smooth: !matches!(plugin, "rectangle" | "cube" | "disk"),
     };
-    let (raw, file) = match plugin {
+    let (mut raw, file) = match plugin {
         "rectangle" => (primitives::rectangle(), None),
         "cube" if is_textured => (primitives::cube_of_six_sides(), None),
         "cube" => (primitives::cube(), None),
@@ -109,10 +122,11 @@ pub(super) fn mesh(
             (mesh, Some(file))
         }
     };
-    if is_textured && raw.uvs.is_none() {
+    if coordinates == Coordinates::Needed && raw.uvs.is_none() {
         let what = "the material or light of this shape has a texture, but its mesh has no texture coordinates";
         return Err(object.property_error("filename", what));
     }
+    let colours = raw.colours.take();
     let name = file.clone().unwrap_or_else(|| object.place.to_string());
     let (mesh, remark) = finish(raw, &placement).map_err(|e| match file {
         // Formulas have nothing wrong in themselves: it is the transform.
@@ -120,7 +134,7 @@ pub(super) fn mesh(
         Some(file) => mesh_error(file, e, &object.place),
     })?;
     remarks.extend(remark.map(|r| format!("{name}: {r}")));
-    Ok((mesh, remarks))
+    Ok((mesh, colours, remarks))
 }
 
 /// The unit sphere, and how it is made.

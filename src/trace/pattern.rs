@@ -1,6 +1,6 @@
 //! What of a mesh's pictures makes edges: who looks for edges has to know where a picture jumps.
 
-use crate::scene::{Layout, Mesh, Scene};
+use crate::scene::{Layout, Mesh, Relief, Scene};
 use glam::{DVec3, Vec2};
 
 /// The pictures on a mesh.
@@ -14,15 +14,42 @@ pub struct Pattern {
 impl Pattern {
     /// `None` for a mesh without pictures.
     pub fn of(scene: &Scene, mesh: &Mesh) -> Option<Self> {
-        let mut textures: Vec<usize> = scene.materials[mesh.material].bsdf.textures();
+        let mut textures: Vec<usize> = scene.textures_of(mesh.material);
         textures.extend(mesh.area_light.map(|l| scene.area_lights[l].radiance));
         textures.sort_unstable();
         textures.dedup();
         let layouts = textures.iter().map(|&t| scene.textures[t].layout);
-        let pictures: Vec<Layout> = layouts.filter(|l| *l != Layout::Constant).collect();
-        let rulings = pictures.iter().flat_map(rulings).collect();
+        let pictures: Vec<Layout> = layouts
+            .filter(|l| !matches!(l, Layout::Constant | Layout::Vertices))
+            .collect();
+        let mut rulings: Vec<DVec3> = pictures.iter().flat_map(rulings).collect();
+        for material in scene.parts_of(mesh.material) {
+            if let Some(Relief {
+                texture,
+                bumps: Some(_),
+                ..
+            }) = scene.materials[material].relief
+            {
+                rulings.extend(bends(&scene.textures[texture].layout));
+            }
+        }
         (!pictures.is_empty() && !mesh.uvs.is_empty()).then_some(Self { rulings })
     }
+}
+
+/// Where the slope of a filtered picture jumps: at the middles of its texels.
+fn bends(layout: &Layout) -> Vec<DVec3> {
+    let Layout::Bitmap {
+        width,
+        height,
+        bilinear: true,
+        ..
+    } = *layout
+    else {
+        return Vec::new();
+    };
+    let lines = lines_of(layout, Vec2::new(width as f32, height as f32));
+    lines.into_iter().map(|l| l - DVec3::Z * 0.5).collect()
 }
 
 fn rulings(layout: &Layout) -> Vec<DVec3> {
@@ -36,6 +63,11 @@ fn rulings(layout: &Layout) -> Vec<DVec3> {
         } => Vec2::new(width as f32, height as f32),
         _ => return Vec::new(),
     };
+    lines_of(layout, per_unit)
+}
+
+/// The coordinates of a picture, so many to its unit.
+fn lines_of(layout: &Layout, per_unit: Vec2) -> Vec<DVec3> {
     let Some(to_uv) = layout.to_uv() else {
         return Vec::new();
     };

@@ -207,8 +207,11 @@ fn values() -> Vec<Point> {
                     point.extend(scaled(-i, scale));
                     point.extend(scaled(o, scale));
                     point.extend(material(alpha));
-                    // Conductor, plastic, smooth, GGX, nonlinear, entering; and the lobe is lit.
-                    let flags = [conductor, !conductor, false, ggx, true, true, true];
+                    // Conductor, plastic, smooth, GGX, nonlinear, thin, principled, entering; and the
+                    // lobe is lit.
+                    let flags = [
+                        conductor, !conductor, false, ggx, true, false, false, true, true,
+                    ];
                     point.extend(flags.map(mask));
                     points.push(point);
                 }
@@ -251,11 +254,14 @@ fn bounces() -> Vec<Point> {
                         lobe == Lobe::Diffuse,
                         matches!(lobe, Lobe::Metal | Lobe::Gloss),
                         refracted,
+                        false,
                         lobe == Lobe::Metal,
                         matches!(lobe, Lobe::Diffuse | Lobe::Gloss),
                         false,
                         ggx,
                         true,
+                        false,
+                        false,
                         lobe != Lobe::Out,
                     ];
                     point.extend(flags.map(mask));

@@ -5,7 +5,7 @@ use crate::sources::of_the_crate;
 use std::collections::BTreeSet;
 
 /// Each module may use those before it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "room",
     "files",
     "lanes",
@@ -25,6 +25,7 @@ const ORDER: [&str; 20] = [
     "bench",
     "batch",
     "optimize",
+    "study",
     "cli",
 ];
 

@@ -1,8 +1,8 @@
 //! Other materials for the scenes of `scenes`.
 
 use warpath::scene::{
-    Bsdf, Distribution, Environment, EnvironmentMap, Layout, Material, Microfacets, Rgb, Scene,
-    Texture, Wrap,
+    Bsdf, Distribution, Environment, EnvironmentMap, Layout, Material, Microfacets, Principled,
+    Relief, Rgb, Scene, Texture, Wrap,
 };
 
 /// Gives the mesh `id` a material of its own, two-sided where that means anything.
@@ -11,6 +11,22 @@ pub trait Paint {
     fn metal(self, id: &str, alpha: f32, distribution: Distribution) -> Self;
     /// Rough glass of index 1.5.
     fn glass(self, id: &str, alpha: f32) -> Self;
+    /// Rough metal whose roughness depends on the direction: texture coordinates are x and y.
+    fn brushed(self, id: &str, alphas: [f32; 2], distribution: Distribution) -> Self;
+    /// The same of glass.
+    fn brushed_glass(self, id: &str, alphas: [f32; 2]) -> Self;
+    /// Layers of every kind, of the roughness of GGX `alpha`, some of them a picture's.
+    fn layers(self, id: &str, alpha: f32) -> Self;
+    /// The same that let light through.
+    fn clear_layers(self, id: &str, alpha: f32) -> Self;
+    /// What it is made of with a map of normals, or bumps: texture coordinates are x and y.
+    fn relief(self, id: &str, bumps: Option<f32>) -> Self;
+    /// A thin pane of index 1.5.
+    fn pane(self, id: &str) -> Self;
+    /// What it is made of under a mask of this opacity.
+    fn masked(self, id: &str, opacity: f32) -> Self;
+    /// What it is made of, blended with a wide metal.
+    fn blended(self, id: &str, weight: f32) -> Self;
     /// Coloured plastic of index 1.5, rough or smooth.
     fn plastic(self, id: &str, alpha: Option<f32>) -> Self;
     /// A diffuse surface with a picture on it: texture coordinates are x and y.
@@ -43,6 +59,7 @@ fn microfacets(
     Microfacets {
         distribution,
         alpha: texture(scene, format!("{key}.alpha"), [alpha; 3], 1),
+        alpha_v: None,
     }
 }
 
@@ -59,11 +76,180 @@ fn paint(mut scene: Scene, id: &str, bsdf: impl FnOnce(&mut Scene, &str) -> Bsdf
         key,
         bsdf,
         two_sided: true,
+        relief: None,
+    });
+    scene
+}
+
+/// Texture coordinates that are x and y.
+fn mapped(mut scene: Scene, id: &str) -> Scene {
+    let mesh = scene.meshes.iter_mut().find(|m| m.id == id);
+    let mesh = mesh.expect("a mesh");
+    mesh.uvs = mesh.positions.iter().map(|p| p.truncate()).collect();
+    scene
+}
+
+fn across(scene: &mut Scene, key: &str, alphas: [f32; 2]) -> Option<Microfacets> {
+    let [u, v] = alphas;
+    Some(Microfacets {
+        distribution: Distribution::Ggx,
+        alpha: texture(scene, format!("{key}.alpha_u"), [u; 3], 1),
+        alpha_v: Some(texture(scene, format!("{key}.alpha_v"), [v; 3], 1)),
+    })
+}
+
+/// Every layer, with numbers of which none is at its limit.
+fn principled(scene: &mut Scene, key: &str, alpha: f32, transmits: bool) -> Bsdf {
+    let mut one = |name: &str, value: f32| texture(scene, format!("{key}.{name}"), [value; 3], 1);
+    let p = Principled {
+        base_color: 0,
+        roughness: one("roughness", alpha.sqrt()),
+        anisotropic: one("anisotropic", 0.4),
+        metallic: one("metallic", 0.3),
+        spec_trans: one("spec_trans", if transmits { 0.6 } else { 0.0 }),
+        is_brushed: true,
+        transmits,
+        eta: one("specular", 0.6),
+        by_specular: true,
+        spec_tint: one("spec_tint", 0.35),
+        sheen: one("sheen", 0.7),
+        sheen_tint: one("sheen_tint", 0.45),
+        flatness: one("flatness", 0.25),
+        clearcoat: one("clearcoat", 0.8),
+        clearcoat_gloss: one("clearcoat_gloss", 0.1),
+    };
+    let base_color = texture(scene, format!("{key}.base_color"), [0.7, 0.4, 0.2], 3);
+    Bsdf::Principled(Principled { base_color, ..p })
+}
+
+/// A material over that of a mesh.
+fn over(mut scene: Scene, id: &str, of: impl FnOnce(&mut Scene, usize) -> Bsdf) -> Scene {
+    let mesh = scene.meshes.iter().position(|m| m.id == id);
+    let mesh = mesh.expect("a mesh");
+    let nested = scene.meshes[mesh].material;
+    let bsdf = of(&mut scene, nested);
+    scene.meshes[mesh].material = scene.materials.len();
+    scene.materials.push(Material {
+        key: format!("{id}.cover"),
+        bsdf,
+        two_sided: false,
+        relief: None,
     });
     scene
 }
 
 impl Paint for Scene {
+    fn brushed(self, id: &str, alphas: [f32; 2], distribution: Distribution) -> Self {
+        let scene = mapped(self, id).metal(id, 0.5, distribution);
+        let material = scene.materials.len() - 1;
+        let mut scene = scene;
+        let fine = across(&mut scene, &format!("{id}.bsdf"), alphas);
+        if let Bsdf::Conductor { microfacets, .. } = &mut scene.materials[material].bsdf {
+            *microfacets = fine.map(|m| Microfacets { distribution, ..m });
+        }
+        scene
+    }
+
+    fn brushed_glass(self, id: &str, alphas: [f32; 2]) -> Self {
+        let mut scene = mapped(self, id).glass(id, 0.5);
+        let material = scene.materials.len() - 1;
+        let fine = across(&mut scene, &format!("{id}.bsdf"), alphas);
+        if let Bsdf::Dielectric { microfacets, .. } = &mut scene.materials[material].bsdf {
+            *microfacets = fine;
+        }
+        scene
+    }
+
+    fn layers(self, id: &str, alpha: f32) -> Self {
+        paint(mapped(self, id), id, |scene, key| {
+            principled(scene, key, alpha, false)
+        })
+    }
+
+    fn clear_layers(self, id: &str, alpha: f32) -> Self {
+        let mut scene = paint(mapped(self, id), id, |scene, key| {
+            principled(scene, key, alpha, true)
+        });
+        if let Some(material) = scene.materials.last_mut() {
+            material.two_sided = false;
+        }
+        scene
+    }
+
+    fn relief(self, id: &str, bumps: Option<f32>) -> Self {
+        let mut scene = mapped(self, id);
+        let wave = |i: u32| (i as f32 * 1.7).sin();
+        let texels = (0..20).map(|i| match bumps {
+            None => [0.5 + 0.15 * wave(i), 0.5 + 0.12 * wave(i + 5), 0.95],
+            Some(_) => [0.5 + 0.4 * wave(i); 3],
+        });
+        let name = if bumps.is_some() {
+            "nested_texture"
+        } else {
+            "normalmap"
+        };
+        scene.textures.push(Texture {
+            texels: texels.collect(),
+            layout: Layout::Bitmap {
+                width: 5,
+                height: 4,
+                wrap: Wrap::Repeat,
+                bilinear: true,
+                to_uv: glam::Affine2::from_scale_angle_translation(
+                    glam::vec2(0.5, 0.6),
+                    0.3,
+                    glam::vec2(0.1, 0.2),
+                ),
+            },
+            channels: if bumps.is_some() { 1 } else { 3 },
+            ..Texture::constant(format!("{id}.bsdf.{name}"), [0.0; 3])
+        });
+        let relief = Relief {
+            texture: scene.textures.len() - 1,
+            bumps,
+            is_mirrored: true,
+        };
+        let mesh = scene.meshes.iter().find(|m| m.id == id).expect("a mesh");
+        let material = mesh.material;
+        scene.materials[material].relief = Some(relief);
+        scene
+    }
+
+    fn pane(self, id: &str) -> Self {
+        paint(self, id, |scene, key| Bsdf::ThinDielectric {
+            eta: texture(scene, format!("{key}.eta"), [1.5; 3], 1),
+            specular_reflectance: texture(
+                scene,
+                format!("{key}.specular_reflectance"),
+                [0.9; 3],
+                3,
+            ),
+            specular_transmittance: texture(
+                scene,
+                format!("{key}.specular_transmittance"),
+                [0.8, 0.9, 1.0],
+                3,
+            ),
+        })
+    }
+
+    fn masked(self, id: &str, opacity: f32) -> Self {
+        over(self, id, |scene, nested| Bsdf::Mask {
+            opacity: texture(scene, format!("{id}.bsdf.opacity"), [opacity; 3], 1),
+            nested,
+        })
+    }
+
+    fn blended(self, id: &str, weight: f32) -> Self {
+        let first = self.meshes.iter().find(|m| m.id == id).map(|m| m.material);
+        let first = first.expect("a mesh");
+        let scene = self.metal(id, 0.3, Distribution::Ggx);
+        over(scene, id, |scene, second| Bsdf::Blend {
+            weight: texture(scene, format!("{id}.bsdf.weight"), [weight; 3], 1),
+            nested: [first, second],
+        })
+    }
+
     fn metal(self, id: &str, alpha: f32, distribution: Distribution) -> Self {
         paint(self, id, |scene, key| Bsdf::Conductor {
             eta: texture(scene, format!("{key}.eta"), [0.2, 0.9, 1.3], 3),

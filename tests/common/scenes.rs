@@ -3,8 +3,8 @@
 use super::shapes::{Shape, icosphere};
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec2, Vec3, vec3};
 use warpath::scene::{
-    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Material, Mesh, Normals, Rgb, Scene,
-    Sensor, Texture, vertex_normals,
+    AreaLight, Bsdf, DeltaLight, DeltaLightKind, Environment, Film, Filter, Integrator, Lens,
+    Material, Mesh, Normals, Rgb, Scene, Sensor, Texture, vertex_normals,
 };
 
 pub const BOX: Filter = Filter::Box { radius: 0.5 };
@@ -26,6 +26,7 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
         sample_border: true,
     };
     let sensor = Sensor {
+        lens: Lens::Pinhole,
         id: "cam".into(),
         to_world: Affine3A::from_mat3_translation(axes, from),
         x_fov_rad: x_fov_deg.to_radians(),
@@ -42,6 +43,7 @@ pub fn scene(from: Vec3, at: Vec3, x_fov_deg: f32, size: [u32; 2], filter: Filte
         textures: Vec::new(),
         area_lights: Vec::new(),
         delta_lights: Vec::new(),
+        instances: Vec::new(),
         environment: None,
         sensors: vec![sensor],
         integrator: Integrator {
@@ -66,6 +68,8 @@ pub trait Build: Sized {
     fn smooth(self, id: &str, shape: Shape, reflectance: Rgb) -> Self;
     /// The same with these normals, data of their own.
     fn with_normals(self, id: &str, shape: Shape, normals: Vec<Vec3>, reflectance: Rgb) -> Self;
+    /// A point or a directional light.
+    fn delta_light(self, key: &str, kind: DeltaLightKind, power: Rgb) -> Self;
     /// A black mesh that shines to its front.
     fn light(self, id: &str, shape: Shape, radiance: Rgb) -> Self;
 }
@@ -89,10 +93,12 @@ fn add(
         key,
         bsdf: Bsdf::Diffuse { reflectance },
         two_sided: true,
+        relief: None,
     });
     scene.meshes.push(Mesh {
         id: id.into(),
         positions,
+        to_world: Default::default(),
         triangles,
         normals,
         uvs: Vec::new(),
@@ -145,6 +151,21 @@ impl Build for Scene {
         reflectance: Rgb,
     ) -> Self {
         add(&mut self, id, shape, Normals::Given(normals), reflectance);
+        self
+    }
+
+    fn delta_light(mut self, key: &str, kind: DeltaLightKind, power: Rgb) -> Self {
+        let name = match kind {
+            DeltaLightKind::Point { .. } => "intensity",
+            DeltaLightKind::Directional { .. } => "irradiance",
+        };
+        let power = texture(&mut self, Texture::constant(format!("{key}.{name}"), power));
+        self.delta_lights.push(DeltaLight {
+            key: key.into(),
+            kind,
+            power,
+            beam: None,
+        });
         self
     }
 

@@ -157,6 +157,7 @@ impl Swatch {
                         diffuse: bit(vertices.lobes.diffuse),
                         reflected: bit(vertices.lobes.reflected),
                         refracted: bit(vertices.lobes.refracted),
+                        coat: bit(vertices.lobes.coat),
                     };
                     let bounce = Bounce {
                         direction: self.turned(lane_of(rays.direction, lane).as_dvec3()),
@@ -191,7 +192,7 @@ pub fn with_facets(mut scene: Scene, distribution: Option<Distribution>) -> Scen
             *microfacets = microfacets
                 .and_then(|m| distribution.map(|distribution| Microfacets { distribution, ..m }));
         }
-        Bsdf::Diffuse { .. } | Bsdf::Null => {}
+        _ => {}
     }
     scene
 }

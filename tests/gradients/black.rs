@@ -35,6 +35,7 @@ fn lit() -> Vec<(&'static str, Scene)> {
             position: vec3(0.9, -0.6, 1.8),
         },
         power: bulb.textures.len() - 1,
+        beam: None,
     });
     let lamp = ceiling(vec3(0.8, -0.5, 2.0), 0.4);
     vec![

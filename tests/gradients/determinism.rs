@@ -5,10 +5,11 @@ use common::{Direction, Quiet, direction, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{self, Image, Method, Objective, Settings};
 use warpath::scene::parameters::{self, Parameter};
-use warpath::scene::{Scene, SceneDifferential};
+use warpath::scene::{DeltaLightKind, Scene, SceneDifferential};
 
 /// More tiles than the threads are given at once, lights, an environment, several bounces.
 fn room() -> Scene {
+    let position = vec3(-0.5, -0.6, 1.8);
     scene(vec3(0.3, -3.4, 1.9), Vec3::ZERO, 38.0, [50, 40], GAUSSIAN)
         .depth(4)
         .constant_environment([0.2, 0.3, 0.4])
@@ -24,6 +25,7 @@ fn room() -> Scene {
             [0.7, 0.3, 0.3],
         )
         .light("lamp", ceiling(vec3(0.2, 0.1, 2.2), 0.4), [8.0, 7.0, 6.0])
+        .delta_light("bulb", DeltaLightKind::Point { position }, [3.0, 2.0, 4.0])
 }
 
 fn everything_moves(scene: &Scene) -> Direction {
@@ -33,6 +35,7 @@ fn everything_moves(scene: &Scene) -> Direction {
             ("ball.translation", &[1.0, 0.2, 0.3]),
             ("corner.rotation", &[0.1, 0.2, 1.0]),
             ("lamp.scale", &[1.0]),
+            ("bulb.position", &[0.1, 0.3, 0.2]),
             ("cam.translation", &[0.3, 0.1, 0.2]),
             ("floor.bsdf.reflectance.value", &[1.0, 0.5, 0.2]),
         ],

@@ -3,11 +3,16 @@
 mod analytic_edge;
 mod analytic_irradiance;
 mod analytic_shadow;
+mod analytic_sharp_shadow;
 mod black;
 mod determinism;
+mod edges;
 mod finite_differences;
+mod finite_differences_delta;
 mod finite_differences_foliage;
 mod finite_differences_indirect;
+mod finite_differences_keys;
+mod finite_differences_layers;
 mod finite_differences_materials;
 mod finite_differences_pictures;
 mod last_vertex;

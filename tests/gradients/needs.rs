@@ -9,8 +9,8 @@ use glam::vec3;
 use std::collections::BTreeMap;
 use warpath::methods::{Image, Method, Objective, Statistics, backward, forward, render};
 use warpath::scene::Distribution::Ggx;
-use warpath::scene::Scene;
 use warpath::scene::parameters;
+use warpath::scene::{DeltaLightKind, Scene};
 
 type Rays = BTreeMap<&'static str, u64>;
 
@@ -262,6 +262,13 @@ fn what_rests_is_left_out_and_nothing_else() {
             scene.meshes.retain(|m| m.id != "lamp");
             scene.area_lights.clear();
             scene
+        }),
+        ("bulb", {
+            let mut scene = small(room(2));
+            scene.meshes.retain(|m| m.id != "lamp");
+            scene.area_lights.clear();
+            let position = vec3(0.2, 0.1, 2.2);
+            scene.delta_light("bulb", DeltaLightKind::Point { position }, [8.0; 3])
         }),
         ("metal", sky(small(room(3))).metal("floor", 0.05, Ggx)),
         ("map", small(room(3)).sunny()),

@@ -4,9 +4,10 @@
 use common::materials::Paint;
 use common::scenes::*;
 use common::{Quiet, direction, settings};
-use glam::vec3;
+use glam::{Mat3, Vec3, vec2, vec3};
+use std::f32::consts::PI;
 use warpath::methods::{Method, forward};
-use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
+use warpath::scene::{Beam, BeamProfile, DeltaLight, DeltaLightKind, Lens, Scene, Texture};
 
 fn close_up() -> Scene {
     common::comparison::close_up().constant_environment([0.7, 0.8, 1.0])
@@ -43,6 +44,7 @@ fn lamp(kind: DeltaLightKind) -> Scene {
         key: "bulb".into(),
         kind,
         power: scene.textures.len() - 1,
+        beam: None,
     });
     scene
 }
@@ -63,21 +65,69 @@ fn sharp_reflections() {
 }
 
 #[test]
-fn sharp_shadows() {
+fn sharp_shadows_are_not_refused() {
     let point = DeltaLightKind::Point {
         position: vec3(0.3, 0.2, 2.0),
     };
     let scene = lamp(point);
-    refused(&scene, "block.translation", &MOVED, "bulb");
-    refused(&scene, "bulb.translation", &MOVED, "bulb");
-    refused(&scene, "bulb.position", &MOVED, "bulb");
-    taken(&scene, Method::Interior, "bulb.translation", &MOVED);
-    taken(&scene, Method::Reparam, "bulb.intensity.value", &MOVED);
+    for method in [Method::Reparam, Method::Interior] {
+        taken(&scene, method, "block.translation", &MOVED);
+        taken(&scene, method, "bulb.translation", &MOVED);
+        taken(&scene, method, "bulb.position", &MOVED);
+        taken(&scene, method, "bulb.intensity.value", &MOVED);
+    }
+    let mirrored = scene.plastic("floor", None);
+    refused(&mirrored, "bulb.translation", &MOVED, "floor.bsdf");
     let direction = vec3(0.0, 0.0, -1.0);
-    refused(
-        &lamp(DeltaLightKind::Directional { direction }),
-        "block.translation",
-        &MOVED,
-        "bulb",
-    );
+    let scene = lamp(DeltaLightKind::Directional { direction });
+    taken(&scene, Method::Reparam, "block.translation", &MOVED);
+}
+
+#[test]
+fn edges_of_beams() {
+    let position = vec3(0.3, 0.2, 2.0);
+    let beam = |profile| {
+        let mut scene = lamp(DeltaLightKind::Point { position });
+        let to_local = Mat3::from_rotation_x(PI);
+        scene.delta_lights[0].beam = Some(Beam { to_local, profile });
+        scene
+    };
+    let projector = beam(BeamProfile::Projector {
+        half_tangents: vec2(0.5, 0.5),
+        scale: 1.0,
+        axis: -Vec3::Z,
+    });
+    refused(&projector, "block.translation", &MOVED, "picture's border");
+    taken(&projector, Method::Interior, "block.translation", &MOVED);
+    taken(&projector, Method::Reparam, "bulb.intensity.value", &MOVED);
+    let sudden = beam(BeamProfile::Spot {
+        beam_width_rad: 0.4,
+        cutoff_rad: 0.4,
+        texture: None,
+    });
+    refused(&sudden, "block.translation", &MOVED, "beam_width");
+}
+
+#[test]
+fn lenses() {
+    let seen_by = |lens| {
+        let mut scene = close_up();
+        scene.sensors[0].lens = lens;
+        scene
+    };
+    for lens in [
+        Lens::Thin {
+            aperture_radius: 0.1,
+            focus_distance: 3.0,
+        },
+        Lens::Parallel {
+            half_sides: vec2(1.0, 1.0),
+        },
+    ] {
+        let scene = seen_by(lens);
+        refused(&scene, "block.translation", &MOVED, "cam");
+        refused(&scene, "cam.translation", &MOVED, "cam");
+        let paint = "floor.bsdf.brdf_0.reflectance.value";
+        taken(&scene, Method::Reparam, paint, &MOVED);
+    }
 }

@@ -66,6 +66,7 @@ fn sample(film: &FilmTile, edge: [u32; 2], along: f32) -> Option<BoundarySample>
     });
     Some(BoundarySample {
         boundary,
+        shadow: None,
         lane: 0,
         at: Coordinate::Film(at.to_array()),
         weight: [((after - before) / slope.length() * length) as f32; 3],

@@ -14,7 +14,7 @@ use common::{Direction, dot, flat, gradient, pull_back, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::parameters::Parameter;
-use warpath::scene::{Filter, Scene};
+use warpath::scene::{DeltaLightKind, Filter, Scene};
 
 /// A black lamp out of sight: its own colour does not matter.
 const IDLE: &[&str] = &["lamp.bsdf.brdf_0.reflectance.value"];
@@ -85,6 +85,19 @@ fn gaussian_filter_depth_3() {
 #[test]
 fn gaussian_filter_depth_4() {
     transposed(&everything(GAUSSIAN, 4), Method::Reparam, IDLE);
+}
+
+#[test]
+fn sharp_shadows() {
+    let position = vec3(-0.7, -0.8, 1.9);
+    let direction = vec3(0.2, 0.3, -0.9).normalize();
+    let lit = |scene: Scene| {
+        scene
+            .delta_light("bulb", DeltaLightKind::Point { position }, [3.0, 2.0, 4.0])
+            .delta_light("sun", DeltaLightKind::Directional { direction }, [1.0; 3])
+    };
+    transposed(&lit(everything(BOX, 2)), Method::Reparam, IDLE);
+    transposed(&lit(everything(GAUSSIAN, 3)), Method::Reparam, IDLE);
 }
 
 #[test]

@@ -137,6 +137,7 @@ fn delta_light(mut scene: Scene, kind: DeltaLightKind) -> Scene {
         key: "bulb".into(),
         kind,
         power: scene.textures.len(),
+        beam: None,
     });
     let power = Texture::constant("bulb.power".into(), [2.0, 1.5, 1.0]);
     scene.textures.push(power);
@@ -190,7 +191,7 @@ fn directions(scene: &Scene, random: &mut Random) -> Vec<(&'static str, Directio
     classes.into()
 }
 
-/// Smooth materials and delta lights have sharp edges that `reparam` does not find.
+/// Smooth materials have sharp edges that `reparam` does not find.
 fn method(scene: &Scene) -> Method {
     let is_smooth = |m: &Material| {
         matches!(
@@ -207,10 +208,10 @@ fn method(scene: &Scene) -> Method {
             }
         )
     };
-    if scene.delta_lights.is_empty() && !scene.materials.iter().any(is_smooth) {
-        Method::Reparam
-    } else {
+    if scene.materials.iter().any(is_smooth) {
         Method::Interior
+    } else {
+        Method::Reparam
     }
 }
 

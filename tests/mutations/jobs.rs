@@ -164,6 +164,7 @@ pub fn mutate(jobs: &mut [Value], parameters: &[Parameter], random: &mut Random)
                 json!({"groups": 2}),
                 json!({"groups": 1}),
                 json!({"outputs": ["image.exr"]}),
+                json!({"outputs": ["image.npy"]}),
                 json!({"outputs": []}),
                 json!({"resolution": [3, 2]}),
                 json!({"resolution": "1x1"}),

@@ -5,4 +5,5 @@ mod cli;
 mod jobs;
 mod memory;
 mod optimize;
+mod study;
 mod workplace;

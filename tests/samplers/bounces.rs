@@ -3,9 +3,10 @@
 use super::*;
 use common::materials::Paint;
 use common::optics::*;
-use common::swatch::{Bounce, Swatch, bare};
+use common::swatch::{Bounce, Swatch, bare, with};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
+use warpath::paths::surface::layered_sample::{coat_normal, pdf_coat_normal};
 use warpath::scene::Distribution::{Beckmann, Ggx};
 
 const DEGREES: [f64; 4] = [1.0, 40.0, 70.0, 85.0];
@@ -191,5 +192,122 @@ fn wide_lobes_tell_their_density() {
                 );
             }
         }
+    }
+}
+
+/// D·G₁(i)·(i·h)/cᵢ of GGX that is stretched along x and y.
+fn brushed(i: DVec3, h: DVec3, [along, across]: [f64; 2]) -> f64 {
+    let stretched = (h.x / along).powi(2) + (h.y / across).powi(2) + h.z * h.z;
+    let facets = 1.0 / (std::f64::consts::PI * along * across * stretched * stretched);
+    if h.z <= 0.0 {
+        return 0.0;
+    }
+    let slope2 = ((along * i.x).powi(2) + (across * i.y).powi(2)) / (i.z * i.z);
+    let shown = 2.0 / (1.0 + (1.0 + slope2).sqrt());
+    facets * shown * i.dot(h).max(0.0) / i.z
+}
+
+/// Normals are drawn from GGX's whatever the distribution.
+#[test]
+fn bounces_off_brushed_metal() {
+    for (alphas, distribution) in [([0.4f32, 0.1], Ggx), ([0.15, 0.6], Beckmann)] {
+        let scene = bare().brushed("floor", alphas, distribution);
+        let swatch = Swatch::new(scene, false);
+        check(&format!("metal brushed to {alphas:?}"), &swatch, |i| {
+            let alphas = alphas.map(f64::from);
+            let density = move |o: DVec3| {
+                let (h, jacobian) = reflecting(i, o);
+                brushed(i, h, alphas) * jacobian
+            };
+            vec![Lobe {
+                cap: Cap::new(reflect(i, DVec3::Z), 0.3),
+                density: Box::new(density),
+                drew: |b| b.lobes.reflected == 1,
+            }]
+        });
+    }
+}
+
+/// As `paths::surface::layered_sample` documents the chances, for the numbers of
+/// `common::materials`; without the coat, some of whose normals reflect nothing.
+#[test]
+fn bounces_off_and_through_layers() {
+    let root = (0.08f64 * 0.6).sqrt();
+    let eta = 2.0 / (1.0 - root) - 1.0;
+    // α/√(1 − 0.9·0.4) and α·√(1 − 0.9·0.4), of α = 0.3.
+    let alphas = [0.3 / 0.8, 0.3 * 0.8];
+    for (inside, transmits) in [(false, 0.0), (false, 0.6), (true, 0.6)] {
+        let scene = if transmits == 0.0 {
+            bare().layers("floor", 0.3)
+        } else {
+            bare().clear_layers("floor", 0.3)
+        };
+        let swatch = Swatch::new(with(scene, &[("clearcoat", [0.0; 3])]), inside);
+        let what = format!("layers that let {transmits} through, inside {inside}");
+        check(&what, &swatch, |i| {
+            let ratio = if inside { 1.0 / eta } else { eta };
+            let base = if inside {
+                0.0
+            } else {
+                0.7 * (1.0 - transmits) + 0.25 * 0.7 * 0.7
+            };
+            let of_base = base / (1.0 + base);
+            let part = if inside { 1.0 } else { 0.7 * transmits };
+            let passes = move |cos: f64| part * (1.0 - dielectric(cos, ratio));
+            let mirrored = move |o: DVec3| {
+                let (h, jacobian) = reflecting(i, o);
+                let chance = (1.0 - of_base) * (1.0 - passes(i.dot(h)));
+                chance * brushed(i, h, alphas) * jacobian
+            };
+            let mut lobes = vec![Lobe {
+                cap: Cap::new(reflect(i, DVec3::Z), 0.3),
+                density: Box::new(mirrored),
+                drew: |b| b.lobes.reflected == 1,
+            }];
+            if base > 0.0 {
+                lobes.push(diffuse(of_base));
+            }
+            if transmits > 0.0 {
+                let bent = move |o: DVec3| {
+                    refracting(i, o, ratio).map_or(0.0, |(h, jacobian)| {
+                        let chance = (1.0 - of_base) * passes(i.dot(h));
+                        chance * brushed(i, h, alphas) * jacobian
+                    })
+                };
+                let main = refract(i, DVec3::Z, ratio);
+                let main = main.unwrap_or(DVec3::new(-i.x, -i.y, 0.0).normalize());
+                lobes.push(Lobe {
+                    cap: Cap::new(main, 0.15),
+                    density: Box::new(bent),
+                    drew: |b| b.lobes.refracted == 1,
+                });
+            }
+            lobes
+        });
+    }
+}
+
+/// GTR1: (α² − 1)/(π ln α² (1 + (α² − 1)c²)), times the cosine.
+#[test]
+fn normals_of_coats() {
+    for gloss in [0.0, 0.3, 1.0] {
+        let alpha2 = (0.1 - 0.099 * gloss as f64).powi(2);
+        let choices = pairs(41, 3, 7).map(|p| p.map(f64::from));
+        let mut counts = vec![0; BINS * BINS];
+        for choice in choices {
+            let h = coat_normal(gloss, choice);
+            assert!((h.length() - 1.0).abs() < 1e-12 && h.z >= 0.0);
+            let sin2 = h.x * h.x + h.y * h.y;
+            // The part of all normals that are nearer to the surface's.
+            let nearer = (1.0 + sin2 * (1.0 - alpha2) / alpha2).ln() / -alpha2.ln();
+            let turn = h.y.atan2(h.x) / std::f64::consts::TAU + 0.5;
+            let [x, y] = [nearer, turn].map(|x| x.clamp(0.0, 1.0 - 1e-7) as f32);
+            counts[bin(x, BINS) * BINS + bin(y, BINS)] += 1;
+            let wanted = (alpha2 - 1.0) / (alpha2.ln() * (alpha2 + (1.0 - alpha2) * sin2));
+            let wanted = wanted * h.z * FRAC_1_PI;
+            let told = pdf_coat_normal(gloss, h);
+            assert!((told - wanted).abs() < 1e-9 * wanted, "{told}, {wanted}");
+        }
+        uniform(&format!("normals of a coat of gloss {gloss}"), &counts);
     }
 }

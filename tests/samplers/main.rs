@@ -19,7 +19,7 @@ use warpath::paths::random::Stream;
 
 const ALPHA: f64 = 0.01;
 /// How many χ² tests this file makes.
-const TESTS: i32 = 95;
+const TESTS: i32 = 118;
 const SAMPLES: usize = 1 << 17;
 /// Bins that expect fewer are put together.
 const LEAST_EXPECTED: f64 = 10.0;

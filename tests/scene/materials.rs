@@ -112,6 +112,8 @@ scenes! {
     conductor roughconductor_ggx roughconductor_beckmann roughconductor_default
     dielectric roughdielectric_ggx roughdielectric_beckmann
     plastic roughplastic null
+    mask blendbsdf thindielectric grained principled principled_glass normalmap bumpmap vertex_colours
     textures textured_roughness textured_light
     envmap delta_lights normals
+    beams orthographic thinlens instances
 }

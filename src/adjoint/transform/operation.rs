@@ -9,10 +9,11 @@ use quote::{ToTokens, quote};
 use syn::{BinOp, Expr, UnOp};
 
 /// Methods of `F` that give `F`, and those that give a mask, with how many arguments they take.
-const REAL_METHODS: [(&str, usize); 6] = [
+const REAL_METHODS: [(&str, usize); 7] = [
     ("sqrt", 0),
     ("abs", 0),
     ("exp", 0),
+    ("ln", 0),
     ("signum", 0),
     ("min", 1),
     ("max", 1),

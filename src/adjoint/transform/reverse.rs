@@ -256,7 +256,7 @@ impl<'a> Reverse<'a> {
         }
         // What each derivative is cheapest to write in: the argument, the result, or both.
         let rule = ident(&format!("{name}_adjoint"));
-        let argument = matches!(name, "abs" | "length" | "normalize").then(|| self.read(a));
+        let argument = matches!(name, "abs" | "ln" | "length" | "normalize").then(|| self.read(a));
         let result = matches!(name, "sqrt" | "exp" | "length" | "normalize").then(|| self.read(id));
         let inputs = argument.into_iter().chain(result);
         self.give(a, term(quote!(ops::#rule(#(#inputs,)* #bar))));

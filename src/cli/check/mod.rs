@@ -2,7 +2,6 @@
 
 mod report;
 mod runs;
-mod seeds;
 mod verdict;
 mod waves;
 

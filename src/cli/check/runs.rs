@@ -1,12 +1,12 @@
 //! The runs of a check.
 
-use super::seeds::{FIRST_REFERENCE_SEED, nth_seed};
 use super::verdict::Transposition;
 use super::waves::smooth_image;
 use crate::cli::exit::Failure;
 use crate::cli::pace::{Kind, Pace};
 use crate::cli::session::Session;
 use crate::jobs::direction::Direction;
+use crate::jobs::seeds::{FIRST_REFERENCE_SEED, nth_seed};
 use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
 use crate::scene::parameters::{self, Parameter};
 use crate::statistics::comparison::Comparison;

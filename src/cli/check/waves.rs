@@ -1,6 +1,6 @@
 //! The image by which forward and backward are compared.
 
-use super::seeds::SEED_STEP;
+use crate::jobs::seeds::SEED_STEP;
 use crate::methods::Image;
 
 /// An adjoint image with no symmetry by which mistakes could cancel: a few slow waves per channel.

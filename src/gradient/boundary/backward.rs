@@ -5,18 +5,20 @@ use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::silhouette::edge_side_adjoint;
+use crate::adjoint::triangle::triangle_point_adjoint;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::backward::{BackwardSweep, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::{RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
+use crate::kernels::triangle::triangle_point;
 use crate::lanes::{LANES, Lane, V3};
-use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Shadow};
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::store::TileStore;
 use crate::paths::surface::interface::interface_of_lane;
-use crate::scene::Rgb;
+use crate::scene::{DeltaLightKind, Rgb};
 use glam::{DVec3, Vec3};
 
 /// Cotangents of one lane of a vertex.
@@ -68,8 +70,46 @@ impl BackwardSweep<'_> {
         bars.interface.eta.x += Lane::new(lanes.map(|l| l.eta));
     }
 
-    /// Cotangents of origin and direction from that of F; the vertices' are added.
+    /// Cotangents of origin and direction of a ray from that of F; those of vertices and of delta
+    /// lights are added.
     fn side(
+        &self,
+        sample: &BoundarySample,
+        x: DVec3,
+        d: DVec3,
+        bar: f64,
+        sums: &mut TileSums,
+    ) -> (DVec3, DVec3) {
+        let Some(Shadow { light, receiver }) = sample.shadow else {
+            return self.side_seen(sample, x, d, bar, sums);
+        };
+        let (geometry, light) = (self.view.geometry, light as usize);
+        let corners = geometry.triangles[receiver as usize];
+        let [p, q, r] = corners.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+        let y = dvec3(triangle_point(vector(x), vector(d), p, q, r));
+        let y_bar = match self.view.scene.delta_lights[light].kind {
+            DeltaLightKind::Point { position } => {
+                let toward = position.as_dvec3() - y;
+                let (y_bar, light_bar) = self.side_seen(sample, y, toward, bar, sums);
+                let light_bar = sums.admitted(light_bar);
+                sums.delta_lights[light] += light_bar;
+                y_bar - light_bar
+            }
+            DeltaLightKind::Directional { direction } => {
+                let toward = -direction.as_dvec3();
+                self.side_seen(sample, y, toward, bar, sums).0
+            }
+        };
+        let (x_bar, d_bar, p_bar, q_bar, r_bar) =
+            triangle_point_adjoint(vector(x), vector(d), p, q, r, vector(y_bar));
+        for (v, bar) in corners.into_iter().zip([p_bar, q_bar, r_bar]) {
+            self.scatter_vertex(v, dvec3(bar), sums);
+        }
+        (dvec3(x_bar), dvec3(d_bar))
+    }
+
+    /// The same of the direction in which the boundary is seen.
+    fn side_seen(
         &self,
         sample: &BoundarySample,
         x: DVec3,

@@ -7,10 +7,12 @@ use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_sample};
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::silhouette::edge_side;
+use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
-use crate::paths::boundary_sample::{BoundarySample, Coordinate};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Shadow};
 use crate::paths::film::drift::Followed;
-use crate::scene::Rgb;
+use crate::paths::rays::splat;
+use crate::scene::{DeltaLightKind, Rgb};
 use glam::Vec3;
 
 type D = Dual<f64>;
@@ -75,11 +77,38 @@ impl ForwardSweep<'_> {
         })
     }
 
-    /// The weight times Ḟ, seen from `x` along `direction`.
+    /// The weight times Ḟ, on the ray from `x` along `direction`.
     fn weighed(&self, sample: &BoundarySample, x: V3<D>, direction: V3<D>) -> Rgb {
         let point = |v| self.motion.point(self.view.geometry, v);
+        let (x, direction) = match &sample.shadow {
+            Some(shadow) => self.toward_delta_light(shadow, x, direction),
+            None => (x, direction),
+        };
         let side = sample.boundary.side(x, direction, point);
         sample.weight.map(|w| (w as f64 * side.tangent) as f32)
+    }
+
+    /// From where a ray meets the receiver of a shadow, toward the light.
+    fn toward_delta_light(
+        &self,
+        &Shadow { light, receiver }: &Shadow,
+        x: V3<D>,
+        direction: V3<D>,
+    ) -> (V3<D>, V3<D>) {
+        let geometry = self.view.geometry;
+        let corners = geometry.triangles[receiver as usize];
+        let [p, q, r] = corners.map(|v| self.motion.point(geometry, v));
+        let y = triangle_point(x, direction, p, q, r);
+        let light = light as usize;
+        let toward = match self.view.scene.delta_lights[light].kind {
+            DeltaLightKind::Point { position } => {
+                dual_vector(splat(position), splat(self.motion.delta_lights[light])) - y
+            }
+            DeltaLightKind::Directional { direction } => {
+                dual_vector(splat(-direction), V3::splat(0.0))
+            }
+        };
+        (y, toward)
     }
 
     /// A point of a light's patch.

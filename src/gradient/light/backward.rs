@@ -1,22 +1,30 @@
 //! The backward sweep over light: emission that rays found, light samples, the environment.
 
 use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
+use crate::adjoint::layered::layered_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
 use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate;
+use crate::kernels::layered::layered_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::relief::shown;
 use crate::trace::geometry::gather;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
     /// π times the BSDF toward `w`, of what this kind of light lights.
     pub(crate) fn bsdf_evaluate(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
+        self.shown(here, w, self.unhidden(here, w, light))
+    }
+
+    /// The same but for what a turned surface hides of itself.
+    fn unhidden(&self, here: &Solved, w: V3<Lane>, light: LightKind) -> V3<Lane> {
         let vertices = here.vertices;
         let Some(interface) = &here.interface else {
             return vertices.diffuse_reflectance;
@@ -32,7 +40,26 @@ impl BackwardSweep<'_> {
             vertices.kinds.masks(),
             lane_mask(lobes),
         );
+        let kinds = &vertices.kinds;
+        let value = match &here.layers {
+            None => value,
+            Some((layers, _)) => {
+                let (n, direction) = (here.n, vertices.direction);
+                let lit = kinds.lit_masks(light);
+                let layered =
+                    layered_evaluate(n, direction, w, *interface, *layers, kinds.masks(), lit);
+                V3::select(lane_mask(kinds.layered()), layered, value)
+            }
+        };
         masked(lit, value)
+    }
+
+    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
+    pub(crate) fn shown(&self, here: &Solved, w: V3<Lane>, value: V3<Lane>) -> V3<Lane> {
+        if here.vertices.kinds.relief == 0 {
+            return value;
+        }
+        value * shown(here.vertices, here.base_n, here.n, w)
     }
 
     /// Adds to the cotangents of the vertex from that of the BSDF, and returns that of `w`.
@@ -49,8 +76,36 @@ impl BackwardSweep<'_> {
             bars.interface.reflectance = bars.interface.reflectance + masked(bar.bits, bar.value);
             return V3::splat(0.0);
         };
-        let [lit, lobes] = vertices.kinds.lit_by(light);
+        let kinds = &vertices.kinds;
+        let [lit, lobes] = kinds.lit_by(light);
         let bits = bar.bits & lit;
+        let mut bar = bar;
+        let mut layered_w = V3::splat(0.0);
+        let mut hidden_w = V3::splat(0.0);
+        if kinds.relief != 0 {
+            let value = self.unhidden(here, w, light);
+            let own = Cotangent::of_lanes(bits, bar.value);
+            (hidden_w, bar.value) = self.shown_backward(here, (w, value), own, bars);
+        }
+        if let Some((layers, _)) = &here.layers {
+            let bits = bits & kinds.layered();
+            let (n, direction, w_bar, s, l) = layered_evaluate_adjoint(
+                here.n,
+                vertices.direction,
+                w,
+                *interface,
+                *layers,
+                kinds.masks(),
+                kinds.lit_masks(light),
+                masked(bits, bar.value),
+            );
+            bars.n = bars.n + masked(bits, n);
+            bars.direction = bars.direction + masked(bits, direction);
+            bars.add_interface(bits, &s);
+            bars.add_layers(bits, &l);
+            layered_w = masked(bits, w_bar);
+        }
+        let bits = bits & !kinds.layered();
         let (n, direction, w_bar, s, _) = bsdf_evaluate_adjoint(
             here.n,
             vertices.direction,
@@ -65,7 +120,7 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, direction);
         bars.add_interface(bits, &s);
-        masked(bits, w_bar)
+        hidden_w + layered_w + masked(bits, w_bar)
     }
 
     /// See `forward::ForwardSweep::emission`. `earlier` are the cotangents of the vertex `before`.
@@ -88,8 +143,8 @@ impl BackwardSweep<'_> {
         let emitted = self.view.emission(vertices);
         let seen = bits & !vertices.sampled;
         let weighted = radiance_bar * weight;
-        bars.throughput = bars.throughput + masked(seen, weighted.times(emitted));
-        let mut emitted_bar = masked(seen, weighted.times(vertices.throughput));
+        bars.arriving = bars.arriving + masked(seen, weighted.times(emitted));
+        let mut emitted_bar = masked(seen, weighted.times(vertices.arriving_throughput()));
         let sampled = bits & vertices.sampled;
         if let (Some(from), true) = (before, sampled != 0) {
             let weighted = masked(sampled, weighted);

@@ -8,8 +8,12 @@
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
 use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
+use crate::adjoint::layered::layered_sample_adjoint;
+use crate::adjoint::relief::relief_shadow_adjoint;
 use crate::gradient::scene::backward::{TileSums, Wanted};
-use crate::kernels::bsdf::Interface;
+use crate::kernels::bsdf::{Interface, bsdf_sample};
+use crate::kernels::layered::{Layers, layered_sample};
+use crate::kernels::relief::relief_shadow;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
@@ -17,6 +21,9 @@ use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::interface::slot_values;
+use crate::paths::surface::layers::{numbers, of_numbers};
+use crate::paths::surface::materials::SLOTS;
+use crate::paths::surface::relief::ReliefMaps;
 use glam::Vec3;
 
 /// Runs backward sweeps over a tile's store.
@@ -35,8 +42,12 @@ pub(crate) struct Solved<'a> {
     pub x: V3<Lane>,
     /// Unit shading normal on the side the ray came from.
     pub n: V3<Lane>,
+    /// The same before a picture turned it.
+    pub base_n: V3<Lane>,
     /// The same before it was kept above the arriving ray's horizon.
     pub raw_n: V3<Lane>,
+    /// What turns it.
+    pub relief: Option<ReliefMaps>,
     /// Lanes whose normal was.
     pub kept_above: u32,
     pub ids: [[u32; 3]; LANES],
@@ -44,6 +55,8 @@ pub(crate) struct Solved<'a> {
     pub smooth: u32,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<Lane>>,
+    /// Given if any lane has layers or a grain, with what the grain is made of.
+    pub layers: Option<(Layers<Lane>, [Lane; 2])>,
 }
 
 /// A cotangent in some of the lanes.
@@ -68,10 +81,16 @@ impl Cotangent {
 pub(crate) struct VertexBars {
     pub x: V3<Lane>,
     pub n: V3<Lane>,
+    /// Of the normal before a picture turned it, besides what turns with it.
+    pub base_n: V3<Lane>,
     /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
     pub direction: V3<Lane>,
     pub throughput: V3<Lane>,
+    /// Of the path's weight before the choice among materials.
+    pub arriving: V3<Lane>,
     pub interface: Interface<Lane>,
+    /// Given if anything was added.
+    pub layers: Option<Box<Layers<Lane>>>,
     /// Of the barycentrics.
     pub b: [Lane; 2],
 }
@@ -82,8 +101,10 @@ impl VertexBars {
         Self {
             x: none,
             n: none,
+            base_n: none,
             direction: none,
             throughput: none,
+            arriving: none,
             interface: Interface {
                 reflectance: none,
                 second_reflectance: none,
@@ -91,8 +112,29 @@ impl VertexBars {
                 k: none,
                 alpha: zero,
             },
+            layers: None,
             b: [zero; 2],
         }
+    }
+
+    /// Adds the cotangents of layers in the lanes of `bits`.
+    pub fn add_layers(&mut self, bits: u32, l: &Layers<Lane>) {
+        let zero = Lane::splat(0.0);
+        let selected = of_numbers(
+            masked(bits, l.tangent),
+            numbers(l).map(|n| <Lane as Real>::select(lane_mask(bits), n, zero)),
+        );
+        let sum = match &self.layers {
+            None => selected,
+            Some(sum) => {
+                let (a, b) = (numbers(sum.as_ref()), numbers(&selected));
+                of_numbers(
+                    sum.tangent + selected.tangent,
+                    std::array::from_fn(|i| a[i] + b[i]),
+                )
+            }
+        };
+        self.layers = Some(Box::new(sum));
     }
 
     /// Adds the cotangents of an interface in the lanes of `bits`.
@@ -208,7 +250,8 @@ impl BackwardSweep<'_> {
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
         self.slots(here, &mut bars, sums);
-        back.throughput = back.throughput + masked(vertices.hit, bars.throughput);
+        self.choice(here, &mut bars, sums);
+        back.throughput = back.throughput + masked(vertices.hit, bars.arriving);
         if self.wanted.attached() {
             self.surface(here, &bars, &mut back, sums);
         }
@@ -296,6 +339,35 @@ impl BackwardSweep<'_> {
             }
             return;
         };
+        let layered = vertices.kinds.layered();
+        let mut weight_bar = weight_bar * vertices.inverse_density;
+        let mut direction = direction;
+        if vertices.kinds.relief != 0 {
+            let (next, weight) = self.unhidden_bounce(here);
+            let bar = Cotangent::of_lanes(bits, weight_bar);
+            let (w_bar, kept) = self.shown_backward(here, (next, weight), bar, bars);
+            direction = direction + w_bar;
+            weight_bar = kept;
+        }
+        if let Some((layers, _)) = &here.layers {
+            let bits = bits & layered;
+            let (n, arriving, _, s, l) = layered_sample_adjoint(
+                here.n,
+                vertices.direction,
+                local,
+                *interface,
+                *layers,
+                vertices.lobes.masks(),
+                vertices.kinds.masks(),
+                (masked(bits, direction), masked(bits, weight_bar)),
+            );
+            bars.n = bars.n + masked(bits, n);
+            bars.direction = bars.direction + masked(bits, arriving);
+            bars.add_interface(bits, &s);
+            bars.add_layers(bits, &l);
+        }
+        let bits = bits & !layered;
+        let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
         let (n, arriving, _, s, _) = bsdf_sample_adjoint(
             here.n,
             vertices.direction,
@@ -304,11 +376,55 @@ impl BackwardSweep<'_> {
             self.view.transmission(vertices, here.n, local.z),
             vertices.lobes.masks(),
             vertices.kinds.masks(),
-            (direction, weight_bar * vertices.inverse_density),
+            (direction, weight_bar),
         );
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, arriving);
         bars.add_interface(bits, &s);
+    }
+
+    /// The next direction, and what the path is multiplied with but for what a turned surface hides
+    /// of itself.
+    fn unhidden_bounce(&self, here: &Solved) -> (V3<Lane>, V3<Lane>) {
+        let vertices = here.vertices;
+        let Some(interface) = here.interface else {
+            return (here.n, V3::splat(0.0));
+        };
+        let (lobes, kinds) = (vertices.lobes.masks(), vertices.kinds.masks());
+        let (n, direction, local) = (here.n, vertices.direction, vertices.local);
+        let through = self.view.transmission(vertices, n, local.z);
+        let (next, weight) = bsdf_sample(n, direction, local, interface, through, lobes, kinds);
+        let Some((layers, _)) = here.layers else {
+            return (next, weight);
+        };
+        let is_layered = lane_mask(vertices.kinds.layered());
+        let (own, layered) = layered_sample(n, direction, local, interface, layers, lobes, kinds);
+        (
+            V3::select(is_layered, own, next),
+            V3::select(is_layered, layered, weight),
+        )
+    }
+
+    /// From the cotangent of what is sent toward or from `w` to those of `w` and of what would be
+    /// sent if nothing hid it, `value`.
+    pub(crate) fn shown_backward(
+        &self,
+        here: &Solved,
+        (w, value): (V3<Lane>, V3<Lane>),
+        bar: Cotangent,
+        bars: &mut VertexBars,
+    ) -> (V3<Lane>, V3<Lane>) {
+        let relief = here.vertices.kinds.relief & bar.bits;
+        if relief == 0 {
+            return (V3::splat(0.0), bar.value);
+        }
+        let shown = relief_shadow(here.base_n, here.n, w);
+        let shown_bar = masked(relief, bar.value).dot(value);
+        let (base_n, n, w_bar) = relief_shadow_adjoint(here.base_n, here.n, w, shown_bar);
+        bars.base_n = bars.base_n + masked(relief, base_n);
+        bars.n = bars.n + masked(relief, n);
+        let kept = V3::select(lane_mask(relief), bar.value * shown, bar.value);
+        (masked(relief, w_bar), kept)
     }
 
     /// From what surfaces are made of to texels, and to where on the surface that is.
@@ -324,15 +440,41 @@ impl BackwardSweep<'_> {
         let lanes = vertices.hit & !vertices.kinds.black;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
             let slot_bars = slot_values(&bars.interface, lane);
-            let (triangle, at) = (vertices.triangle[lane], [b1[lane], b2[lane]]);
-            view.for_each_slot(triangle, at, |s| {
-                let bar = slot_bars[s.slot];
+            let layer_bars = bars.layers.as_ref().map(|l| numbers(l.as_ref()));
+            view.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
+                let bar = match (s.slot < SLOTS, &layer_bars) {
+                    (true, _) => slot_bars[s.slot],
+                    (false, Some(bars)) => Vec3::X * bars[s.slot - SLOTS].to_array()[lane],
+                    (false, None) => Vec3::ZERO,
+                };
                 sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
                 for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
                     sum[lane] += by.dot(bar);
                 }
             });
         }
+        bars.b = b_bar.map(Lane::new);
+    }
+
+    /// From the path's weight after the choice among materials to that before, and to what says how
+    /// likely each is.
+    fn choice(&self, here: &Solved, bars: &mut VertexBars, sums: &mut TileSums) {
+        let vertices = here.vertices;
+        let Some(choice) = &vertices.choice else {
+            bars.arriving = bars.arriving + bars.throughput;
+            return;
+        };
+        let factors = self.view.choice_factors(vertices, choice, here.b);
+        bars.arriving = bars.arriving + bars.throughput * factors;
+        let factor_bar = bars.throughput.dot(choice.arriving).to_array();
+        let mut b_bar = bars.b.map(Lane::to_array);
+        self.view.for_each_choice(vertices, choice, here.b, |s| {
+            let bar = Vec3::X * (factor_bar[s.lane] * s.slope);
+            sums.add_texture(self.wanted, s.texture, &s.lookup, bar);
+            for (sum, by) in b_bar.iter_mut().zip(s.by_barycentric) {
+                sum[s.lane] += by.dot(bar);
+            }
+        });
         bars.b = b_bar.map(Lane::new);
     }
 }

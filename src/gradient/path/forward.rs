@@ -7,15 +7,19 @@ use crate::kernels::bsdf::{
 };
 use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sample};
 use crate::kernels::normal::{face_normal, shading_normal};
+use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::layers::{numbers, of_numbers, tangent};
+use crate::paths::surface::relief::{by_uv, local};
 use crate::paths::surface::texture::Lookup;
-use crate::scene::Rgb;
+use crate::scene::{Lens, Rgb};
 
 pub(crate) type D = Dual<Lane>;
 
@@ -40,7 +44,7 @@ impl Arriving {
     fn follow(&mut self, vertices: &Vertices) {
         self.origin = dual_vector(vertices.origin, tangent_of(self.origin));
         self.direction = dual_vector(vertices.direction, tangent_of(self.direction));
-        self.throughput = dual_vector(vertices.throughput, tangent_of(self.throughput));
+        self.throughput = dual_vector(vertices.arriving_throughput(), tangent_of(self.throughput));
     }
 }
 
@@ -49,6 +53,8 @@ pub(crate) struct MovingVertex<'a> {
     pub vertices: &'a Vertices,
     pub x: V3<D>,
     pub n: V3<D>,
+    /// The same before a picture turned it.
+    pub base_n: V3<D>,
     pub corners: [V3<D>; 3],
     pub b: [D; 2],
     /// The ray that arrived, and the path's weight with it.
@@ -57,6 +63,8 @@ pub(crate) struct MovingVertex<'a> {
     pub diffuse_reflectance: V3<D>,
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<D>>,
+    /// Given if any lane has layers or a grain.
+    pub layers: Option<Layers<D>>,
 }
 
 impl<'a> ForwardSweep<'a> {
@@ -85,9 +93,15 @@ impl<'a> ForwardSweep<'a> {
             direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
             throughput: V3::splat(1.0),
         };
+        let path = store.path(packet);
+        if self.view.camera.lens != Lens::Pinhole {
+            // Such a camera stands still.
+            chain.origin = dual_vector(path[0].origin, V3::splat(0.0));
+            chain.direction = dual_vector(path[0].direction, V3::splat(0.0));
+        }
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingVertex> = None;
-        for vertices in store.path(packet) {
+        for vertices in path {
             let (contribution, here) = self.vertex(store, vertices, &mut chain, previous.as_ref());
             sum = sum + contribution;
             previous = here;
@@ -130,7 +144,7 @@ impl<'a> ForwardSweep<'a> {
         let (direction, weight) = self.bounce(&here);
         chain.origin = here.x;
         chain.direction = direction;
-        chain.throughput = chain.throughput.times(weight) * constant(vertices.survival);
+        chain.throughput = here.throughput.times(weight) * constant(vertices.survival);
         (sum, Some(here))
     }
 
@@ -149,25 +163,45 @@ impl<'a> ForwardSweep<'a> {
         }
         n = n * constant(vertices.facing);
         let special = vertices.kinds.special();
-        if special & smooth != 0 {
+        let kept_above = (special | vertices.kinds.relief) & smooth;
+        if kept_above != 0 {
             let turned = consistent_normal(n, chain.direction);
-            n = V3::select(lane_mask(special & smooth), turned, n);
+            n = V3::select(lane_mask(kept_above), turned, n);
         }
+        let base_n = n;
+        if vertices.kinds.relief != 0 {
+            n = self.turned(vertices, chain, n, corners, [b1, b2]);
+        }
+        let special = special | vertices.kinds.relief;
         let mut here = MovingVertex {
             vertices,
             x: chain.origin + chain.direction * t,
             n,
+            base_n,
             corners,
             b: [b1, b2],
             direction: chain.direction,
             throughput: chain.throughput,
             diffuse_reflectance: dual_vector(vertices.diffuse_reflectance, V3::splat(0.0)),
             interface: None,
+            layers: None,
         };
+        if let Some(choice) = &vertices.choice {
+            let b = here.b.map(|b| b.value);
+            let db = here.b.map(|b| b.tangent);
+            let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+            let change = self.view.choice_change(vertices, choice, b, db, change);
+            let factor = Dual {
+                value: self.view.choice_factors(vertices, choice, b),
+                tangent: change,
+            };
+            here.throughput = chain.throughput * factor;
+        }
         if special != 0 || self.view.materials.any_texture || self.motion.colours {
             let interface = self.interface(&here);
             here.diffuse_reflectance = interface.reflectance;
             here.interface = (special != 0).then_some(interface);
+            here.layers = self.layers(&here);
         }
         here
     }
@@ -189,6 +223,76 @@ impl<'a> ForwardSweep<'a> {
                 tangent: tangent.alpha,
             },
         }
+    }
+
+    /// The normal that a picture turns, where there is one.
+    fn turned(
+        &self,
+        vertices: &Vertices,
+        chain: &Arriving,
+        n: V3<D>,
+        corners: [V3<D>; 3],
+        b: [D; 2],
+    ) -> V3<D> {
+        let (value, db) = (b.map(|b| b.value), b.map(|b| b.tangent));
+        let Some(maps) = self.view.relief_maps(vertices, value) else {
+            return n;
+        };
+        let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+        let mixed = |t: usize, texels: &[u32; 4], weights: &[f32; 4]| {
+            let moved = self.motion.texels[t].as_ref();
+            moved.map_or(0.0, |moved| {
+                let parts = texels.iter().zip(weights);
+                parts.map(|(&t, w)| moved[t as usize][0] * w).sum()
+            })
+        };
+        let [map, rises] = self.view.relief_change(vertices, value, db, change, mixed);
+        let slopes = maps.slopes.map(|of| of.map(constant));
+        let [du, dv] = by_uv(corners, slopes);
+        let pictures = [dual_vector(maps.map, map), dual_vector(maps.rises, rises)];
+        let facing = constant(vertices.facing);
+        let signs = maps.signs.map(constant);
+        let local = local(
+            (n, facing),
+            [du, dv],
+            pictures,
+            lane_mask(maps.bumps),
+            signs,
+        );
+        let turned = relief_normal(n, du, chain.direction, local);
+        V3::select(lane_mask(vertices.kinds.relief), turned, n)
+    }
+
+    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
+    pub(crate) fn shown(&self, here: &MovingVertex, w: V3<D>, value: V3<D>) -> V3<D> {
+        let relief = here.vertices.kinds.relief;
+        if relief == 0 {
+            return value;
+        }
+        let shown = value * relief_shadow(here.base_n, here.n, w);
+        V3::select(lane_mask(relief), shown, value)
+    }
+
+    /// Layers and grain, with their tangents.
+    fn layers(&self, here: &MovingVertex) -> Option<Layers<D>> {
+        let vertices = here.vertices;
+        if vertices.kinds.layered() == 0 {
+            return None;
+        }
+        let grain = self.view.grain(&vertices.triangle).map(constant);
+        let along = tangent(here.corners, grain);
+        let b = here.b.map(|b| b.value);
+        let db = here.b.map(|b| b.tangent);
+        let view = self.view;
+        let value = view.layers(vertices, b, value_of(along))?;
+        let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
+        let change = view.layers_change(vertices, b, db, tangent_of(along), change);
+        let (value, change) = (numbers(&value), numbers(&change));
+        let dual = |i: usize| Dual {
+            value: value[i],
+            tangent: change[i],
+        };
+        Some(of_numbers(along, std::array::from_fn(dual)))
     }
 
     /// What a rough plastic lets through toward directions at cosine `cos_out`.
@@ -214,6 +318,18 @@ impl<'a> ForwardSweep<'a> {
             here.vertices.kinds.masks(),
             lane_mask(lobes),
         );
+        let kinds = &here.vertices.kinds;
+        let value = match here.layers {
+            None => value,
+            Some(layers) => {
+                let (n, direction) = (here.n, here.direction);
+                let lit = kinds.lit_masks(light);
+                let layered =
+                    layered_evaluate(n, direction, w, *interface, layers, kinds.masks(), lit);
+                V3::select(lane_mask(kinds.layered()), layered, value)
+            }
+        };
+        let value = self.shown(here, w, value);
         V3::select(lane_mask(lit), value, V3::splat(0.0))
     }
 
@@ -236,6 +352,22 @@ impl<'a> ForwardSweep<'a> {
             vertices.lobes.masks(),
             vertices.kinds.masks(),
         );
+        let (mut direction, mut weight) = (direction, weight);
+        if let Some(layers) = here.layers {
+            let is_layered = lane_mask(vertices.kinds.layered());
+            let (own, layered) = layered_sample(
+                here.n,
+                here.direction,
+                local,
+                *interface,
+                layers,
+                vertices.lobes.masks(),
+                vertices.kinds.masks(),
+            );
+            direction = V3::select(is_layered, own, direction);
+            weight = V3::select(is_layered, layered, weight);
+        }
+        let weight = self.shown(here, direction, weight);
         (direction, weight * constant(vertices.inverse_density))
     }
 }

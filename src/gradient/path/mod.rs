@@ -2,4 +2,5 @@
 
 pub mod backward;
 pub mod forward;
+mod relief_backward;
 mod surface_backward;

@@ -11,6 +11,8 @@ use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::store::Vertices;
+use crate::paths::surface::layers::tangent;
+use crate::paths::surface::relief::turned;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
@@ -33,25 +35,41 @@ impl BackwardSweep<'_> {
         }
         let raw_n = n * vertices.facing;
         let special = vertices.kinds.special();
-        let kept_above = special & smooth;
+        let relief = vertices.kinds.relief;
+        let kept_above = (special | relief) & smooth;
         let n = if kept_above != 0 {
             V3::select(lane_mask(kept_above), consistent_normal(raw_n, d), raw_n)
         } else {
             raw_n
         };
-        let interface = (special != 0).then(|| self.view.interface(vertices, [b1, b2]));
+        let base_n = n;
+        let maps = self.view.relief_maps(vertices, [b1, b2]);
+        let n = match &maps {
+            None => n,
+            Some(maps) => turned(vertices, n, corners, maps),
+        };
+        let interface = (special | relief != 0).then(|| self.view.interface(vertices, [b1, b2]));
+        let layers = (vertices.kinds.layered() != 0).then(|| {
+            let grain = self.view.grain(&vertices.triangle);
+            let along = tangent(corners, grain);
+            let layers = self.view.layers(vertices, [b1, b2], along);
+            layers.map(|l| (l, grain))
+        });
         Some(Solved {
             vertices,
             t,
             b: [b1, b2],
             x: o + d * t,
             n,
+            base_n,
             raw_n,
+            relief: maps,
             kept_above,
             ids,
             corners,
             smooth,
             interface,
+            layers: layers.flatten(),
         })
     }
 
@@ -69,6 +87,15 @@ impl BackwardSweep<'_> {
         let zero = V3::splat(0.0);
         let mut d_bar = bars.direction;
         let mut n_bar = bars.n;
+        let mut b_bar = bars.b;
+        let mut relief_bar = [zero; 3];
+        if let Some(maps) = &here.relief {
+            let turned = self.relief(here, maps, bars.n, sums);
+            n_bar = turned.n + bars.base_n;
+            d_bar = d_bar + turned.direction;
+            relief_bar = turned.corners;
+            b_bar = [b_bar[0] + turned.b[0], b_bar[1] + turned.b[1]];
+        }
         if here.kept_above != 0 {
             let (n, direction) = consistent_normal_adjoint(here.raw_n, d, n_bar);
             n_bar = V3::select(lane_mask(here.kept_above), n, n_bar);
@@ -77,7 +104,7 @@ impl BackwardSweep<'_> {
         let n_bar = n_bar * vertices.facing;
         let smooth = lane_mask(here.smooth);
         let mut v_bar = [zero; 3];
-        let [mut b1_bar, mut b2_bar] = bars.b;
+        let [mut b1_bar, mut b2_bar] = b_bar;
         if here.smooth != u32::MAX >> (32 - LANES) {
             let flat_bar = V3::select(smooth, zero, n_bar);
             v_bar = face_normal_adjoint(v0, v1, v2, flat_bar).into();
@@ -96,6 +123,14 @@ impl BackwardSweep<'_> {
             b1_bar += <Lane as Real>::select(smooth, b1, none);
             b2_bar += <Lane as Real>::select(smooth, b2, none);
             self.scatter_normals(here, [m0, m1, m2], sums);
+        }
+        if let (Some((_, [a, b])), Some(l)) = (&here.layers, &bars.layers) {
+            v_bar[0] = v_bar[0] - l.tangent * (*a + *b);
+            v_bar[1] = v_bar[1] + l.tangent * *a;
+            v_bar[2] = v_bar[2] + l.tangent * *b;
+        }
+        for (sum, bar) in v_bar.iter_mut().zip(relief_bar) {
+            *sum = *sum + bar;
         }
         let t_bar = d.dot(bars.x);
         let (o_hit, d_hit, w0, w1, w2) =

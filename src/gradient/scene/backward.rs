@@ -409,6 +409,11 @@ impl FilmSums {
                 translation: sums.origin.as_vec3(),
                 rotation: rotation.as_vec3(),
                 x_fov_deg: (sums.tan_half_x_fov * 0.5 * (1.0 + tan * tan)).to_radians() as f32,
+                axes: sums.axes.map(|bar| bar.as_vec3()),
+                principal_point_offset: camera
+                    .axis_per_offset()
+                    .map(|by| by.dot(sums.axes[2]) as f32)
+                    .into(),
             });
         }
         gradient

@@ -183,11 +183,17 @@ impl Motion {
         let tan = camera.tan_half_x_fov;
         // d tan(φ/2)/dφ = (1 + tan²)/2.
         let tan_velocity = (motion.x_fov_deg as f64).to_radians() * 0.5 * (1.0 + tan * tan);
+        // A shifted principal point is a view axis that leans.
+        let [right, down] = camera.axis_per_offset().map(|by| by.as_vec3());
+        let shift = motion.principal_point_offset;
+        let mut axes = motion.axes;
+        axes[2] += right * shift.x + down * shift.y;
         MovingCamera {
             origin: dual(camera.origin, motion.translation),
-            axes: camera
-                .axes
-                .map(|axis| dual(axis, motion.rotation.cross(axis))),
+            axes: std::array::from_fn(|i| {
+                let axis = camera.axes[i];
+                dual(axis, motion.rotation.cross(axis) + axes[i])
+            }),
             tan_half_x_fov: Dual {
                 value: F::splat(tan),
                 tangent: F::splat(tan_velocity),

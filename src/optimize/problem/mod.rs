@@ -308,10 +308,11 @@ fn check_together(variables: &[Variable]) -> Result<(), Failure> {
                 "{place}: {key} is named twice, by two of its names"
             )));
         }
-        let Some(Target::ShapeRotation(m) | Target::ShapeScale(m)) = target else {
+        let Some(Target::ShapeRotation(body) | Target::ShapeScale(body)) = target else {
             continue;
         };
-        if variables.iter().any(|v| v.mesh() == Some(m)) {
+        let moves = |v: &Variable| v.mesh().is_some_and(|m| body.meshes().contains(&m));
+        if variables.iter().any(moves) {
             return Err(Failure::Input(format!(
                 "{place}: {key} and the vertex_positions of the same shape say one thing twice; take one out"
             )));

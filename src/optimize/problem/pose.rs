@@ -8,7 +8,7 @@
 //! [Sola2018] (eq. 145).
 
 use crate::scene::parameters::{self, Parameter, Target};
-use crate::scene::{Scene, SceneDifferential};
+use crate::scene::{Body, Scene, SceneDifferential};
 use glam::{DMat3, DVec3};
 
 /// J(r)ᵀw, for the rotation vector r.
@@ -50,16 +50,16 @@ pub fn gradient(
             let w = transposed_left_jacobian(vector(value), vector(&plain));
             w.as_vec3().to_array().to_vec()
         }
-        Some(Target::ShapeRotation(m)) => {
-            let about = about_pivot(base, now, all, values, m);
-            let force = force(now, parameter, m, cotangent);
+        Some(Target::ShapeRotation(body)) => {
+            let about = about_pivot(base, now, all, values, body);
+            let force = force(now, parameter, body, cotangent);
             let torque = vector(&plain) + about.cross(force);
             let w = transposed_left_jacobian(vector(value), torque);
             w.as_vec3().to_array().to_vec()
         }
-        Some(Target::ShapeScale(m)) => {
-            let about = about_pivot(base, now, all, values, m);
-            let force = force(now, parameter, m, cotangent);
+        Some(Target::ShapeScale(body)) => {
+            let about = about_pivot(base, now, all, values, body);
+            let force = force(now, parameter, body, cotangent);
             let virial = f64::from(plain[0]) + about.dot(force);
             vec![(virial / f64::from(value[0])) as f32]
         }
@@ -73,9 +73,9 @@ fn about_pivot(
     now: &Scene,
     all: &[Parameter],
     values: &[Vec<f32>],
-    m: usize,
+    body: Body,
 ) -> DVec3 {
-    let is_translation = |p: &Parameter| p.target == Some(Target::ShapeTranslation(m));
+    let is_translation = |p: &Parameter| p.target == Some(Target::ShapeTranslation(body));
     let by = all
         .iter()
         .position(is_translation)
@@ -83,13 +83,14 @@ fn about_pivot(
             let [x, y, z] = [0, 1, 2].map(|c| f64::from(values[i][c]));
             DVec3::new(x, y, z)
         });
-    parameters::pivot(&now.meshes[m]) - parameters::pivot(&base.meshes[m]) - by
+    let [now, base] = [now, base].map(|scene| parameters::pivot(&scene.meshes[body.meshes()]));
+    now - base - by
 }
 
 /// The derivative by a translation.
-fn force(now: &Scene, parameter: &Parameter, m: usize, cotangent: &SceneDifferential) -> DVec3 {
+fn force(now: &Scene, parameter: &Parameter, body: Body, cotangent: &SceneDifferential) -> DVec3 {
     let translation = Parameter {
-        target: Some(Target::ShapeTranslation(m)),
+        target: Some(Target::ShapeTranslation(body)),
         ..parameter.clone()
     };
     let sum = parameters::reduce(now, &translation, cotangent);

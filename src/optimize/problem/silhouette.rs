@@ -18,6 +18,7 @@ pub fn scene(scene: &Scene, silhouette: &Silhouette) -> Result<Scene, Failure> {
         key: "black".into(),
         bsdf: Bsdf::Diffuse { reflectance: 0 },
         two_sided: true,
+        relief: None,
     }];
     out.area_lights = Vec::new();
     out.delta_lights = Vec::new();

@@ -2,13 +2,14 @@
 
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
-use crate::scene::{Mesh, Normals};
+use crate::scene::{Mesh, Normals, Rgb};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes a mesh as PLY: positions, normals that are its own data, texture coordinates, triangles.
-pub fn ply(path: &Path, mesh: &Mesh) -> Result<(), Failure> {
+/// Writes a mesh as PLY: positions, normals that are its own data, texture coordinates, colours of
+/// vertices (none if there are none), triangles.
+pub fn ply(path: &Path, mesh: &Mesh, colours: &[Rgb]) -> Result<(), Failure> {
     let normals = match &mesh.normals {
         Normals::Given(normals) => Some(normals),
         // Who reads the file computes them, as was done here.
@@ -25,6 +26,9 @@ pub fn ply(path: &Path, mesh: &Mesh) -> Result<(), Failure> {
     if has_uvs {
         header += "property float u\nproperty float v\n";
     }
+    if !colours.is_empty() {
+        header += "property float r\nproperty float g\nproperty float b\n";
+    }
     let _ = write!(
         header,
         "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
@@ -35,6 +39,7 @@ pub fn ply(path: &Path, mesh: &Mesh) -> Result<(), Failure> {
         let mut numbers = position.to_array().to_vec();
         numbers.extend(normals.iter().flat_map(|n| n[i].to_array()));
         numbers.extend(mesh.uvs.get(i).iter().flat_map(|uv| uv.to_array()));
+        numbers.extend(colours.get(i).iter().copied().flatten());
         bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
     }
     for triangle in &mesh.triangles {

@@ -19,8 +19,8 @@ use super::shape::intersections;
 use crate::jobs::failure::Failure;
 use crate::methods::Progress;
 use crate::output::{atomic, exr, png};
-use crate::scene::Scene;
 use crate::scene::parameters::{self, Target};
+use crate::scene::{Body, Scene};
 use errors::ParameterError;
 use geometry::Distance;
 use page::Figure;
@@ -60,25 +60,27 @@ pub fn finish(
     strips(directory, problem, &scene, progress, &mut out, &mut figures)?;
     let mut shown = Vec::new();
     for variable in &problem.variables {
-        match variable.parameter.target {
-            Some(Target::Texels(t)) => texture(directory, &scene, t, &mut out)?,
-            Some(
-                Target::VertexPositions(m)
-                | Target::ShapeRotation(m)
-                | Target::ShapeScale(m)
-                | Target::ShapeTranslation(m),
-            ) if !shown.contains(&m) => {
-                shown.push(m);
-                mesh(
-                    directory,
-                    problem,
-                    &scene.meshes[m],
-                    progress,
-                    &mut out,
-                    &mut figures,
-                )?;
+        let moved = match variable.parameter.target {
+            Some(Target::Texels(t)) => {
+                texture(directory, &scene, t, &mut out)?;
+                continue;
             }
-            _ => {}
+            Some(Target::VertexPositions(m)) => Body::of(m),
+            Some(
+                Target::ShapeToWorld(body)
+                | Target::ShapeRotation(body)
+                | Target::ShapeScale(body)
+                | Target::ShapeTranslation(body),
+            ) => body,
+            _ => continue,
+        };
+        for m in moved.meshes() {
+            if shown.contains(&m) {
+                continue;
+            }
+            shown.push(m);
+            let own = &scene.meshes[m];
+            mesh(directory, problem, own, progress, &mut out, &mut figures)?;
         }
     }
     let html = page::html(problem, state, &figures, &out.errors, false);
@@ -164,7 +166,7 @@ fn mesh(
         ));
     }
     let [ply, obj] = ["ply", "obj"].map(|kind| format!("{name}.{kind}"));
-    meshes::ply(&directory.join(&ply), mesh)?;
+    meshes::ply(&directory.join(&ply), mesh, &[])?;
     meshes::obj(&directory.join(&obj), mesh)?;
     out.files.extend([ply, obj]);
     let same = |scene: &Scene| {

@@ -10,7 +10,11 @@ use super::surface_xml::Surfaces;
 use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
-use crate::scene::{DeltaLightKind, Filter, Normals, Scene, Sensor};
+use crate::scene::{
+    BeamProfile, DeltaLight, DeltaLightKind, Filter, Layout, Lens, Mesh, Normals, Rgb, Scene,
+    Sensor,
+};
+use glam::{Mat3, Mat4, Vec2};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -34,12 +38,14 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
             .iter()
             .any(|mesh| *key == format!("{}.bsdf", mesh.id))
     };
-    for m in (0..scene.materials.len()).filter(|&m| !owned(m)) {
+    // What masks and blends are made of stands inside them.
+    let is_used = |m: usize| scene.meshes.iter().any(|mesh| mesh.material == m);
+    for m in (0..scene.materials.len()).filter(|&m| is_used(m) && !owned(m)) {
         surfaces.material(m, Some(&scene.materials[m].key), "  ", &mut text)?;
     }
     for (number, mesh) in scene.meshes.iter().enumerate() {
         let name = format!("{number:03}-{}.ply", plain(&mesh.id));
-        meshes::ply(&parts.join(&name), mesh)?;
+        meshes::ply(&parts.join(&name), mesh, colours(scene, mesh))?;
         files.push(format!("scene/{name}"));
         let _ = writeln!(text, "  <shape type=\"ply\" id=\"{}\">", escaped(&mesh.id));
         let _ = writeln!(
@@ -74,6 +80,19 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
     Ok(files)
 }
 
+/// The colours of a mesh's vertices, if its material asks for them.
+pub fn colours<'a>(scene: &'a Scene, mesh: &Mesh) -> &'a [Rgb] {
+    let light = mesh
+        .area_light
+        .map(|light| scene.area_lights[light].radiance);
+    let of_parts = scene.parts_of(mesh.material).into_iter();
+    let textures = of_parts.flat_map(|m| scene.materials[m].textures());
+    let found = textures
+        .chain(light)
+        .find(|&t| scene.textures[t].layout == Layout::Vertices);
+    found.map_or(&[], |t| &scene.textures[t].texels)
+}
+
 fn integrator(scene: &Scene, text: &mut String) {
     let integrator = scene.integrator;
     let depth = match integrator.max_depth {
@@ -103,24 +122,43 @@ fn sensor(sensor: &Sensor, text: &mut String) {
         }
     };
     let offset = sensor.principal_point_offset;
-    let _ = writeln!(
-        text,
-        "  <sensor type=\"perspective\" id=\"{}\">",
-        escaped(&sensor.id)
-    );
     let fov_deg = f64::from(sensor.x_fov_rad).to_degrees();
-    let numbers = [
+    let seen = [
         ("fov", fov_deg),
-        ("near_clip", sensor.near_clip.into()),
-        ("far_clip", sensor.far_clip.into()),
         ("principal_point_offset_x", offset.x.into()),
         ("principal_point_offset_y", offset.y.into()),
     ];
-    text.push_str("    <string name=\"fov_axis\" value=\"x\"/>\n");
-    for (name, value) in numbers {
+    let (plugin, own, scale) = match sensor.lens {
+        Lens::Pinhole => ("perspective", seen.to_vec(), Vec2::ONE),
+        Lens::Thin {
+            aperture_radius,
+            focus_distance,
+        } => {
+            let lens = [
+                ("aperture_radius", aperture_radius.into()),
+                ("focus_distance", focus_distance.into()),
+            ];
+            ("thinlens", [&seen[..], &lens].concat(), Vec2::ONE)
+        }
+        Lens::Parallel { half_sides } => ("orthographic", Vec::new(), half_sides),
+    };
+    let _ = writeln!(
+        text,
+        "  <sensor type=\"{plugin}\" id=\"{}\">",
+        escaped(&sensor.id)
+    );
+    if plugin != "orthographic" {
+        text.push_str("    <string name=\"fov_axis\" value=\"x\"/>\n");
+    }
+    let clips = [
+        ("near_clip", sensor.near_clip.into()),
+        ("far_clip", sensor.far_clip.into()),
+    ];
+    for (name, value) in own.into_iter().chain(clips) {
         let _ = writeln!(text, "    <float name=\"{name}\" value=\"{value}\"/>");
     }
-    let rows = glam::Mat4::from(sensor.to_world).transpose();
+    let to_world = glam::Mat4::from(sensor.to_world);
+    let rows = (to_world * glam::Mat4::from_scale(scale.extend(1.0))).transpose();
     let _ = writeln!(
         text,
         "    <transform name=\"to_world\"><matrix value=\"{}\"/></transform>",
@@ -152,6 +190,10 @@ fn sensor(sensor: &Sensor, text: &mut String) {
 
 fn lights(scene: &Scene, surfaces: &mut Surfaces, text: &mut String) -> Result<(), Failure> {
     for light in &scene.delta_lights {
+        if light.beam.is_some() {
+            beam(light, surfaces, text)?;
+            continue;
+        }
         let (plugin, place, v, power) = match light.kind {
             DeltaLightKind::Point { position } => ("point", "position", position, "intensity"),
             DeltaLightKind::Directional { direction } => {
@@ -193,5 +235,56 @@ fn lights(scene: &Scene, surfaces: &mut Surfaces, text: &mut String) -> Result<(
         }
         text.push_str("  </emitter>\n");
     }
+    Ok(())
+}
+
+/// A point that shines differently into different directions.
+fn beam(light: &DeltaLight, surfaces: &mut Surfaces, text: &mut String) -> Result<(), Failure> {
+    let (Some(beam), DeltaLightKind::Point { position }) = (&light.beam, light.kind) else {
+        return Ok(());
+    };
+    let key = escaped(&light.key);
+    let place = |to_world: Mat3, text: &mut String| {
+        let rows = Mat4::from_translation(position) * Mat4::from_mat3(to_world);
+        let _ = writeln!(
+            text,
+            "    <transform name=\"to_world\"><matrix value=\"{}\"/></transform>",
+            joined(&rows.transpose().to_cols_array())
+        );
+    };
+    match beam.profile {
+        BeamProfile::Spot {
+            beam_width_rad,
+            cutoff_rad,
+            texture,
+        } => {
+            let _ = writeln!(text, "  <emitter type=\"spot\" id=\"{key}\">");
+            place(beam.to_local.inverse(), text);
+            for (name, rad) in [("cutoff_angle", cutoff_rad), ("beam_width", beam_width_rad)] {
+                let value = f64::from(rad).to_degrees();
+                let _ = writeln!(text, "    <float name=\"{name}\" value=\"{value}\"/>");
+            }
+            surfaces.slot("intensity", light.power, "    ", text)?;
+            if let Some(texture) = texture {
+                surfaces.slot("texture", texture, "    ", text)?;
+            }
+        }
+        BeamProfile::Projector {
+            half_tangents,
+            scale,
+            ..
+        } => {
+            let _ = writeln!(text, "  <emitter type=\"projector\" id=\"{key}\">");
+            place(beam.to_local.inverse(), text);
+            let fov = f64::from(half_tangents.x).atan().to_degrees() * 2.0;
+            let _ = writeln!(
+                text,
+                "    <string name=\"fov_axis\" value=\"x\"/>\n    <float name=\"fov\" value=\"{fov}\"/>\n    \
+                 <float name=\"scale\" value=\"{scale}\"/>"
+            );
+            surfaces.slot("irradiance", light.power, "    ", text)?;
+        }
+    }
+    text.push_str("  </emitter>\n");
     Ok(())
 }

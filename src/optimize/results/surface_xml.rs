@@ -4,11 +4,18 @@ use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::exr;
 use crate::picture::Image;
-use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Scene, Wrap};
+use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Relief, Scene, Wrap};
 use glam::Affine2;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
+
+/// What stands around a bsdf.
+#[derive(Clone, Copy)]
+enum Around {
+    TwoSides,
+    Relief(Relief),
+}
 
 /// Writes materials, each picture once.
 pub struct Surfaces<'a> {
@@ -40,16 +47,62 @@ impl<'a> Surfaces<'a> {
     ) -> Result<(), Failure> {
         let material = &self.scene.materials[m];
         let id = id.map_or(String::new(), |id| format!(" id=\"{}\"", escaped(id)));
-        let transmits = matches!(material.bsdf, Bsdf::Dielectric { .. } | Bsdf::Null);
-        match material.two_sided && !transmits {
-            true => {
-                let _ = writeln!(text, "{indent}<bsdf type=\"twosided\"{id}>");
-                self.bsdf(material.bsdf, "", &format!("{indent}  "), text)?;
-                let _ = writeln!(text, "{indent}</bsdf>");
-                Ok(())
-            }
-            false => self.bsdf(material.bsdf, &id, indent, text),
+        let transmits = match material.bsdf {
+            Bsdf::Dielectric { .. }
+            | Bsdf::ThinDielectric { .. }
+            | Bsdf::Null
+            | Bsdf::Mask { .. } => true,
+            Bsdf::Principled(p) => p.transmits,
+            // What it is made of has two sides of its own.
+            Bsdf::Blend { .. } => true,
+            Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } | Bsdf::Plastic { .. } => false,
+        };
+        // From the outside inward: what stands around the bsdf, each in the one before it.
+        let mut around = Vec::new();
+        if material.two_sided && !transmits {
+            around.push(Around::TwoSides);
         }
+        if let Some(relief) = material.relief {
+            let at = match relief.is_mirrored {
+                true => around.len(),
+                false => 0,
+            };
+            around.insert(at, Around::Relief(relief));
+        }
+        self.wrapped(&around, material.bsdf, &id, indent, text)
+    }
+
+    fn wrapped(
+        &mut self,
+        around: &[Around],
+        bsdf: Bsdf,
+        id: &str,
+        indent: &str,
+        text: &mut String,
+    ) -> Result<(), Failure> {
+        let Some((first, rest)) = around.split_first() else {
+            return self.bsdf(bsdf, id, indent, text);
+        };
+        let inner = format!("{indent}  ");
+        match first {
+            Around::TwoSides => {
+                let _ = writeln!(text, "{indent}<bsdf type=\"twosided\"{id}>");
+            }
+            Around::Relief(relief) => match relief.bumps {
+                Some(scale) => {
+                    let _ = writeln!(text, "{indent}<bsdf type=\"bumpmap\"{id}>");
+                    self.slot("nested_texture", relief.texture, &inner, text)?;
+                    let _ = writeln!(text, "{inner}<float name=\"scale\" value=\"{scale}\"/>");
+                }
+                None => {
+                    let _ = writeln!(text, "{indent}<bsdf type=\"normalmap\"{id}>");
+                    self.slot("normalmap", relief.texture, &inner, text)?;
+                }
+            },
+        }
+        self.wrapped(rest, bsdf, "", &inner, text)?;
+        let _ = writeln!(text, "{indent}</bsdf>");
+        Ok(())
     }
 
     fn bsdf(
@@ -63,8 +116,12 @@ impl<'a> Surfaces<'a> {
             Bsdf::Diffuse { .. } => ("diffuse", None),
             Bsdf::Conductor { microfacets, .. } => ("conductor", microfacets),
             Bsdf::Dielectric { microfacets, .. } => ("dielectric", microfacets),
+            Bsdf::ThinDielectric { .. } => ("thindielectric", None),
             Bsdf::Plastic { microfacets, .. } => ("plastic", microfacets),
+            Bsdf::Principled(_) => ("principled", None),
             Bsdf::Null => ("null", None),
+            Bsdf::Mask { .. } => ("mask", None),
+            Bsdf::Blend { .. } => ("blendbsdf", None),
         };
         let rough = if microfacets.is_some() { "rough" } else { "" };
         let _ = writeln!(text, "{indent}<bsdf type=\"{rough}{plugin}\"{id}>");
@@ -85,9 +142,12 @@ impl<'a> Surfaces<'a> {
         {
             let _ = writeln!(text, "{inner}<boolean name=\"nonlinear\" value=\"true\"/>");
         }
-        let is_metal = matches!(bsdf, Bsdf::Conductor { .. });
+        let has_indices = matches!(
+            bsdf,
+            Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::Plastic { .. }
+        );
         for (name, texture) in bsdf.slots() {
-            match name == "eta" && !is_metal {
+            match name == "eta" && has_indices {
                 // Mitsuba takes the two indices of which it is the ratio.
                 true => {
                     let eta = self.scene.constant(texture)[0];
@@ -98,6 +158,9 @@ impl<'a> Surfaces<'a> {
                 }
                 false => self.slot(name, texture, &inner, text)?,
             }
+        }
+        for (_, nested) in bsdf.nested() {
+            self.material(nested, None, &inner, text)?;
         }
         let _ = writeln!(text, "{indent}</bsdf>");
         Ok(())
@@ -122,6 +185,13 @@ impl<'a> Surfaces<'a> {
         match texture.layout {
             Layout::Constant => {
                 let _ = writeln!(text, "{indent}<{}/>", value(0).replace("NAME", name));
+            }
+            Layout::Vertices => {
+                let _ = writeln!(
+                    text,
+                    "{indent}<texture type=\"mesh_attribute\" name=\"{name}\"><string name=\"name\" \
+                     value=\"vertex_color\"/></texture>"
+                );
             }
             Layout::Checkerboard { to_uv } => {
                 let colours = [0, 1].map(|number| {

@@ -5,8 +5,8 @@ use crate::methods::{EngineError, Prepared, Progress, Settings};
 use crate::optimize::problem::Problem;
 use crate::output::png;
 use crate::scene::{
-    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Material, Mesh, Normals, Scene, Sensor,
-    Texture,
+    AreaLight, Bsdf, Environment, Film, Filter, Integrator, Lens, Material, Mesh, Normals, Scene,
+    Sensor, Texture,
 };
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -87,6 +87,7 @@ fn scene(mesh: &Mesh, up: Vec3, angle_rad: f32) -> Scene {
         key: key.into(),
         bsdf: Bsdf::Diffuse { reflectance },
         two_sided: true,
+        relief: None,
     };
     let clay = Mesh {
         material: 0,
@@ -107,6 +108,7 @@ fn scene(mesh: &Mesh, up: Vec3, angle_rad: f32) -> Scene {
             radiance: 1,
             key: "lamp".into(),
         }],
+        instances: Vec::new(),
         delta_lights: Vec::new(),
         environment: Some(Environment {
             key: "sky".into(),
@@ -120,6 +122,7 @@ fn scene(mesh: &Mesh, up: Vec3, angle_rad: f32) -> Scene {
                 eye,
             ),
             x_fov_rad: X_FOV_RAD,
+            lens: Lens::Pinhole,
             near_clip: 1e-2 * radius,
             far_clip: 1e3 * radius,
             principal_point_offset: Vec2::ZERO,

@@ -5,6 +5,7 @@ use crate::jobs::failure::Failure;
 use crate::optimize::optimizer::Memory;
 use crate::optimize::problem::Problem;
 use crate::scene::Mesh;
+use crate::scene::source::Fnv1a;
 
 /// What an optimisation knows between two steps. It decides all that follows, to the byte.
 #[derive(Clone, Debug)]
@@ -46,6 +47,16 @@ impl State {
             state.latents.push(latent);
         }
         Ok(state)
+    }
+
+    /// A hash of the numbers, by which processes of one run see that they have the same.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = Fnv1a::default();
+        hash.write(&self.step.to_le_bytes());
+        for number in self.latents.iter().flatten() {
+            hash.write(&number.to_le_bytes());
+        }
+        hash.0
     }
 
     /// The variables' values, as the scene takes them.

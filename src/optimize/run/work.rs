@@ -11,7 +11,7 @@ use crate::optimize::problem::{Machine, Problem};
 use crate::optimize::results;
 use crate::optimize::results::errors::ParameterError;
 use crate::optimize::results::geometry::Distance;
-use crate::optimize::step::Ranks;
+use crate::optimize::step::{Ranks, outcome};
 use crate::output::atomic;
 use crate::trace::Backend;
 use std::path::{Path, PathBuf};
@@ -93,25 +93,18 @@ fn whole(
     ranks: &dyn Ranks,
     watch: &dyn Watch,
 ) -> Result<Summary, Failure> {
-    check_folder(options)?;
-    let failed = |error: EngineError| Failure::from_engine(error, None);
-    let machine = Machine {
-        workers: Workers::new(options.threads).map_err(failed)?,
-        threads: options.threads,
-        backend: options.backend,
-    };
     let progress = Quiet(watch);
-    let mut problem = Problem::load(config, machine, &progress)?;
-    let mut state = match options.resume {
-        true => checkpoint::read(&options.directory, &problem)?,
-        false => State::start(&problem)?,
-    };
-    problem.restore_meshes(&state)?;
+    let loaded = load(config, options, ranks, &progress);
+    ranks.agree(outcome(&loaded), &|| {
+        loaded.as_ref().map_or(0, |(problem, state)| {
+            problem.config.hash ^ problem.base.scene.hash ^ state.fingerprint()
+        })
+    })?;
+    let (mut problem, mut state) = loaded?;
     for warning in &problem.warnings {
         watch.warn(warning);
     }
     if ranks.writes() {
-        atomic::prepare_directory(&options.directory)?;
         sweep(&options.directory);
     }
     watch.begin(state.step, problem.config.steps);
@@ -164,6 +157,32 @@ fn whole(
     })
 }
 
+/// The scene, the views and the state to begin with, and the folder to write into.
+fn load(
+    config: Config,
+    options: &Options,
+    ranks: &dyn Ranks,
+    progress: &dyn Progress,
+) -> Result<(Problem, State), Failure> {
+    check_folder(options)?;
+    let failed = |error: EngineError| Failure::from_engine(error, None);
+    let machine = Machine {
+        workers: Workers::new(options.threads).map_err(failed)?,
+        threads: options.threads,
+        backend: options.backend,
+    };
+    let mut problem = Problem::load(config, machine, progress)?;
+    let state = match options.resume {
+        true => checkpoint::read(&options.directory, &problem)?,
+        false => State::start(&problem)?,
+    };
+    problem.restore_meshes(&state)?;
+    if ranks.writes() {
+        atomic::prepare_directory(&options.directory)?;
+    }
+    Ok((problem, state))
+}
+
 /// A folder with the state of another run is not written over.
 fn check_folder(options: &Options) -> Result<(), Failure> {
     let path = options.directory.join(checkpoint::NAME);
@@ -211,9 +230,11 @@ fn steps(
     let total = problem.config.steps;
     let mut seen = results::live::Live::new(&options.directory);
     while state.step < total && state.ended.is_none() {
-        if watch.signal().is_some() {
-            return Err(Failure::Interrupted(2));
-        }
+        let wanted = match watch.signal() {
+            Some(signal) => Err(Failure::Interrupted(signal)),
+            None => Ok(()),
+        };
+        ranks.agree(wanted, &|| state.fingerprint())?;
         problem.remesh(state)?;
         let found = advance(problem, state, ranks, &progress)?;
         statistics.absorb(&found.statistics);

@@ -8,6 +8,9 @@
 use crate::jobs::failure::Failure;
 
 /// Who works on a run.
+///
+/// All processes make the same calls in the same order, but for one that has failed, whose next
+/// call must be [`agree`](Self::agree) with its failure.
 pub trait Ranks {
     /// Does `work` for units `0..units`, or has it done elsewhere, and returns what each gave, in
     /// the order of the units: the same on every process.
@@ -17,8 +20,17 @@ pub trait Ranks {
         work: &mut dyn FnMut(usize) -> Result<Vec<f32>, Failure>,
     ) -> Result<Vec<Vec<f32>>, Failure>;
 
+    /// Waits for all processes. Each says whether it can go on, and a fingerprint of what it has
+    /// come to: if one cannot, or they differ, none goes on, for the reason of the first that
+    /// cannot.
+    fn agree(&self, own: Result<(), Failure>, fingerprint: &dyn Fn() -> u64)
+    -> Result<(), Failure>;
+
     /// Whether this process writes files and speaks.
     fn writes(&self) -> bool;
+
+    /// How many processes there are.
+    fn count(&self) -> usize;
 }
 
 /// One process does all.
@@ -33,7 +45,20 @@ impl Ranks for Alone {
         (0..units).map(work).collect()
     }
 
+    fn agree(&self, own: Result<(), Failure>, _: &dyn Fn() -> u64) -> Result<(), Failure> {
+        own
+    }
+
     fn writes(&self) -> bool {
         true
     }
+
+    fn count(&self) -> usize {
+        1
+    }
+}
+
+/// Whether something went well, for [`Ranks::agree`].
+pub fn outcome<T>(done: &Result<T, Failure>) -> Result<(), Failure> {
+    done.as_ref().map(drop).map_err(Failure::clone)
 }

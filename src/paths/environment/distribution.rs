@@ -83,18 +83,26 @@ impl MapDistribution {
             .map(|column| TAU * place(column, columns))
             .map(|phi| [phi.cos(), phi.sin()])
             .collect();
-        // The power of each sample of a row, and the cell of the second table that it lies in.
-        let samples_of = |row: usize| -> Vec<(f64, usize)> {
+        // Neighbours that go into one cell of the second table: where the map is finer than that,
+        // looking up every sample's cell would take as long as reading the map.
+        let together = (longitudes.len() / (2 * MOST_COLUMNS)).max(1);
+        // The power of each sample of a row, and the cells of the second table that they lie in.
+        let samples_of = |row: usize| -> (Vec<f64>, Vec<usize>) {
             let psi = FRAC_PI_2 - PI * place(row, rows);
             let (sin, cos) = (psi.sin(), psi.cos());
-            let sample = |(column, &[cos_phi, sin_phi]): (usize, &[f64; 2])| {
-                let d = first.axis * sin + (first.b * cos_phi + first.c * sin_phi) * cos;
+            let power = |column: usize| {
                 let at = [column, row].map(|i| (i as f64 + 0.5) / n as f64);
                 let value = map::value_at(texture, [width as u32, height as u32], at);
-                let power = luminance(value.to_array()) * f64::from(map.scale) * cos;
-                (power, second.cell(d))
+                luminance(value.to_array()) * f64::from(map.scale) * cos
             };
-            longitudes.iter().enumerate().map(sample).collect()
+            let cell = |some: &[[f64; 2]]| {
+                let [cos_phi, sin_phi] = some[some.len() / 2];
+                second.cell(first.axis * sin + (first.b * cos_phi + first.c * sin_phi) * cos)
+            };
+            (
+                (0..longitudes.len()).map(power).collect(),
+                longitudes.chunks(together).map(cell).collect(),
+            )
         };
         let all: Vec<usize> = (0..rows * n).collect();
         let (mut first_power, mut second_power) = (first.no_power()?, second.no_power()?);
@@ -104,11 +112,11 @@ impl MapDistribution {
             }
             let found: Vec<_> = some.par_iter().map(|&row| samples_of(row)).collect();
             // In one order, whatever the number of threads.
-            for (&row, samples) in some.iter().zip(&found) {
+            for (&row, (powers, cells)) in some.iter().zip(&found) {
                 let first_row = first.row(FRAC_PI_2 - PI * place(row, rows));
-                for (column, &(power, cell)) in samples.iter().enumerate() {
+                for (column, power) in powers.iter().enumerate() {
                     first_power[column / n * rows + first_row] += power;
-                    second_power[cell] += power;
+                    second_power[cells[column / together]] += power;
                 }
             }
         }

@@ -1,12 +1,13 @@
 //! The camera that renders, and the film point a ray goes through.
 
 use crate::kernels::camera::camera_direction;
-use crate::lanes::{Lane, Real, V3};
-use crate::paths::rays::{RayPacket, splat};
-use crate::scene::Sensor;
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::rays::{RayPacket, from_lanes, splat};
+use crate::scene::{Lens, Sensor};
 use glam::{DVec3, Vec3};
+use std::f32::consts::TAU;
 
-/// A perspective camera, ready to make rays.
+/// A camera, ready to make rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     pub origin: Vec3,
@@ -16,8 +17,12 @@ pub struct Camera {
     /// Film coordinates (pixels of the crop window) to the camera's tangents: p = offset + scale·u.
     offset: [f64; 2],
     scale: f64,
+    /// The film's height over its width.
+    aspect: f64,
     pub near_clip: f32,
     pub far_clip: f32,
+    /// What of it is no pinhole is for images and what does not move: `methods::refusals`.
+    pub lens: Lens,
 }
 
 impl Camera {
@@ -38,8 +43,10 @@ impl Camera {
                 (1.0 - 2.0 * (crop_y / height + shift.y)) * height / width,
             ],
             scale: -2.0 / width,
+            aspect: height / width,
             near_clip: sensor.near_clip,
             far_clip: sensor.far_clip,
+            lens: sensor.lens,
         }
     }
 
@@ -64,7 +71,44 @@ impl Camera {
         camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
     }
 
-    /// Its rays along these directions, in the lanes of `active`.
+    /// Its rays through the film points (`u`, `v`), in the lanes of `active`. `lens_point` gives two
+    /// numbers in [0, 1)² for a lane, if the lens has an extent.
+    pub fn rays_through(
+        &self,
+        u: Lane,
+        v: Lane,
+        active: u32,
+        lens_point: impl Fn(usize) -> [f32; 2],
+    ) -> RayPacket {
+        let mut rays = self.rays(self.direction(u, v), active);
+        let [x, y, z] = self.axes.map(splat::<Lane>);
+        match self.lens {
+            Lens::Pinhole => {}
+            Lens::Thin {
+                aperture_radius,
+                focus_distance,
+            } => {
+                let points: [Vec3; LANES] = std::array::from_fn(|lane| {
+                    let [r, turn] = lens_point(lane);
+                    let (sin, cos) = (TAU * turn).sin_cos();
+                    let radius = aperture_radius * r.sqrt();
+                    self.axes[0] * (radius * cos) + self.axes[1] * (radius * sin)
+                });
+                let beside = from_lanes(&points);
+                rays.origin = rays.origin + beside;
+                rays.direction = rays.direction - beside * Lane::splat(1.0 / focus_distance);
+            }
+            Lens::Parallel { half_sides } => {
+                let (px, py) = self.film_to_camera(u, v);
+                let [right, up] = half_sides.to_array().map(Lane::splat);
+                rays.origin = rays.origin + x * (px * right) + y * (py * up);
+                rays.direction = z;
+            }
+        }
+        rays
+    }
+
+    /// The rays of a pinhole along these directions, in the lanes of `active`.
     pub fn rays(&self, direction: V3<Lane>, active: u32) -> RayPacket {
         RayPacket {
             active,
@@ -73,6 +117,14 @@ impl Camera {
             near: self.near_clip,
             far: self.far_clip,
         }
+    }
+
+    /// How the axis of view would have to lean to see what a principal point sees that is shifted by
+    /// the film's width, or its height.
+    pub fn axis_per_offset(&self) -> [DVec3; 2] {
+        let [x, y, _] = self.axes.map(|a| a.as_dvec3());
+        let tan = -2.0 * self.tan_half_x_fov;
+        [x * tan, y * (tan * self.aspect)]
     }
 
     /// How the direction changes per pixel to the right and down.

@@ -40,6 +40,9 @@ pub struct Tile {
 pub struct LatticeImage {
     pub triangle: Vec<u32>,
     pub radiance: Vec<Rgb>,
+    /// For each delta light, whether it is hidden from what is seen that it could light; empty if
+    /// nobody looks for the borders of shadows.
+    pub hidden: Vec<Vec<bool>>,
 }
 
 /// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep

@@ -2,6 +2,7 @@
 
 use crate::lanes::{LANES, Lane};
 use crate::paths::counts::Counts;
+use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
 use crate::paths::film::filter::{Block, FilmFilter, Taps};
 use crate::paths::film::lattice::{LatticeImage, Tile};
@@ -55,15 +56,27 @@ impl TracedTile {
         let mut image = LatticeImage {
             triangle: vec![NO_TRIANGLE; columns * rows],
             radiance: vec![[0.0; 3]; columns * rows],
+            hidden: Vec::new(),
         };
+        if estimator.closes_lattice() {
+            let lights = view.scene.delta_lights.len();
+            image.hidden = vec![vec![false; columns * rows]; lights];
+        }
         for packet in packets(&tile, estimator.closes_lattice()) {
             if !keep {
                 store.forget_paths();
             }
-            let direction = view.camera.direction(packet.u, packet.v);
-            let rays = view.camera.rays(direction, packet.active);
-            let index =
+            let index: [u32; LANES] =
                 std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
+            let lens_point = |lane: usize| {
+                let number = |axis| {
+                    tile.stream
+                        .single(Single::LensPoint, [index[lane], axis, 0])
+                };
+                [number(0), number(1)]
+            };
+            let camera = &view.camera;
+            let rays = camera.rays_through(packet.u, packet.v, packet.active, lens_point);
             let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));
             integrator.trace_from_camera(rays, drifts, &tile.stream, &index, &mut store);
             let path = store.path(store.depths.len() - 2);
@@ -71,6 +84,10 @@ impl TracedTile {
             for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
                 let at = packet.row * columns + packet.column + lane;
                 image.triangle[at] = path[0].triangle[lane];
+                let sights = store.delta_visible(&path[0]);
+                for (hidden, sight) in image.hidden.iter_mut().zip(sights) {
+                    hidden[at] = sight.hidden >> lane & 1 == 1;
+                }
                 if radiance[lane].iter().all(|c| c.is_finite()) {
                     image.radiance[at] = radiance[lane];
                 } else {

@@ -167,6 +167,13 @@ impl Patch {
         (triangle, [own(1), own(2)])
     }
 
+    /// Its triangles: one or two.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> + use<> {
+        let [lower, upper] = self.triangles;
+        let upper = self.upper.map(|_| upper);
+        [Some(lower), upper].into_iter().flatten()
+    }
+
     /// The (s, r) of a point of one of its triangles, from the triangle's own barycentrics: the
     /// inverse of [`Patch::triangle_at`].
     pub fn place_on(&self, triangle: u32, [b1, b2]: [f64; 2]) -> [f64; 2] {

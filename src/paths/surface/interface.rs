@@ -7,9 +7,9 @@ use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::Kinds;
-use crate::paths::surface::materials::{ALPHA, ETA, NONE, SLOTS};
+use crate::paths::surface::materials::{ALPHA, ETA, SLOTS};
 use crate::paths::surface::texture::{Lookup, lookup};
-use crate::scene::{Layout, Scene};
+use crate::scene::{Layout, Principled, Scene};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{Vec2, Vec3};
 
@@ -24,19 +24,23 @@ pub struct SlotLookup {
 }
 
 impl SceneView<'_> {
-    /// The kinds of the surfaces in each lane; `facing` is ±1: whether their front is seen.
-    pub fn kinds(&self, triangle: &[u32; LANES], facing: Lane) -> Kinds {
+    /// The kinds of the surfaces in each lane.
+    pub fn kinds(&self, vertices: &Vertices) -> Kinds {
         let mut kinds = Kinds::default();
-        let facing = facing.to_array();
+        let triangle = &vertices.triangle;
+        let facing = vertices.facing.to_array();
         for lane in (0..LANES).filter(|&l| triangle[l] != NO_TRIANGLE) {
-            let mesh = self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
-            let entry = self.materials.of_mesh(self.scene, mesh);
+            let entry = self.entry(vertices, lane);
             let is_back = facing[lane] < 0.0;
             let bit = 1 << lane;
-            let transmits = (entry.kinds.dielectric | entry.kinds.null) != 0;
+            let transmits =
+                (entry.kinds.dielectric | entry.kinds.null | entry.kinds.transmits) != 0;
             if is_back && !entry.two_sided && !transmits {
                 kinds.black |= bit;
                 continue;
+            }
+            if entry.relief.is_some() {
+                kinds.relief |= bit;
             }
             if !self.materials.any_special {
                 continue;
@@ -46,11 +50,15 @@ impl SceneView<'_> {
             kinds.dielectric |= k.dielectric & bit;
             kinds.plastic |= k.plastic & bit;
             kinds.null |= k.null & bit;
+            kinds.thin |= k.thin & bit;
+            kinds.principled |= k.principled & bit;
+            kinds.grained |= k.grained & bit;
+            kinds.transmits |= k.transmits & bit;
             kinds.smooth |= k.smooth & bit;
             kinds.ggx |= k.ggx & bit;
             kinds.nonlinear |= k.nonlinear & bit;
             kinds.wide |= k.wide & bit;
-            if is_back && k.dielectric != 0 {
+            if is_back && (k.dielectric & !k.thin | k.transmits) != 0 {
                 kinds.inside |= bit;
             }
         }
@@ -59,21 +67,30 @@ impl SceneView<'_> {
 
     /// Calls `each` with every slot of a lane's material; `b` are the barycentrics of the second
     /// and third vertex.
-    pub fn for_each_slot(&self, triangle: u32, b: [f32; 2], mut each: impl FnMut(SlotLookup)) {
-        let mesh = self.geometry.mesh_of_triangle[triangle as usize] as usize;
-        let entry = self.materials.of_mesh(self.scene, mesh);
-        for (slot, &texture) in entry.slots.iter().enumerate() {
-            if texture != NONE {
-                let texture = texture as usize;
-                let (lookup, by_barycentric) =
-                    texture_at(self.scene, self.geometry, texture, triangle, b);
-                each(SlotLookup {
-                    slot,
-                    texture,
-                    lookup,
-                    by_barycentric,
-                });
+    pub fn for_each_slot(
+        &self,
+        vertices: &Vertices,
+        lane: usize,
+        b: [f32; 2],
+        mut each: impl FnMut(SlotLookup),
+    ) {
+        let triangle = vertices.triangle[lane];
+        let entry = self.entry(vertices, lane);
+        for &(slot, texture) in &entry.slots {
+            let (mut lookup, by_barycentric) =
+                texture_at(self.scene, self.geometry, texture, triangle, b);
+            if slot == ETA && entry.by_specular {
+                // It is constant: its one weight is what it moves the index by.
+                let [eta, slope] = Principled::eta_of_specular(lookup.value.x);
+                lookup.value = Vec3::splat(eta);
+                lookup.weights[0] = slope;
             }
+            each(SlotLookup {
+                slot,
+                texture,
+                lookup,
+                by_barycentric,
+            });
         }
     }
 
@@ -89,8 +106,10 @@ impl SceneView<'_> {
         let (b1, b2) = (b1.to_array(), b2.to_array());
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
-                self.for_each_slot(triangle[lane], [b1[lane], b2[lane]], |s| {
-                    slots[s.slot][lane] = s.lookup.value
+                self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
+                    if s.slot < SLOTS {
+                        slots[s.slot][lane] = s.lookup.value;
+                    }
                 });
             }
         }
@@ -113,10 +132,12 @@ impl SceneView<'_> {
         let [b1, b2, db1, db2] = [b1, b2, db1, db2].map(Lane::to_array);
         for lane in 0..LANES {
             if triangle[lane] != NO_TRIANGLE && kinds.black >> lane & 1 == 0 {
-                self.for_each_slot(triangle[lane], [b1[lane], b2[lane]], |s| {
-                    let [by_b1, by_b2] = s.by_barycentric;
-                    let mixed = change(s.texture, &s.lookup);
-                    slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
+                self.for_each_slot(vertices, lane, [b1[lane], b2[lane]], |s| {
+                    if s.slot < SLOTS {
+                        let [by_b1, by_b2] = s.by_barycentric;
+                        let mixed = change(s.texture, &s.lookup);
+                        slots[s.slot][lane] = mixed + by_b1 * db1[lane] + by_b2 * db2[lane];
+                    }
                 });
             }
         }
@@ -131,9 +152,7 @@ impl SceneView<'_> {
         n: V3<Lane>,
         cos_out: Lane,
     ) -> RoughTransmission<Lane> {
-        let Vertices {
-            triangle, kinds, ..
-        } = vertices;
+        let kinds = &vertices.kinds;
         let rough = kinds.plastic & !kinds.smooth;
         if rough == 0 {
             return RoughTransmission::none();
@@ -144,9 +163,7 @@ impl SceneView<'_> {
         let mut inner = [[0.0; LANES]; 3];
         let (cos_in, cos_out) = (cos_in.to_array(), cos_out.to_array());
         for lane in (0..LANES).filter(|&l| rough >> l & 1 == 1) {
-            let mesh = self.geometry.mesh_of_triangle[triangle[lane] as usize] as usize;
-            let entry = self.materials.of_mesh(self.scene, mesh);
-            let Some(table) = &entry.transmission else {
+            let Some(table) = &self.entry(vertices, lane).transmission else {
                 continue;
             };
             let put = |rows: &mut [[f32; LANES]], values: &[f32]| {
@@ -178,6 +195,21 @@ pub fn texture_at(
     let texture = &scene.textures[texture];
     if texture.layout == Layout::Constant {
         return (lookup(texture, Vec2::ZERO), [Vec3::ZERO; 2]);
+    }
+    if texture.layout == Layout::Vertices {
+        let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
+        let first = geometry.first_vertex[mesh];
+        let [a, b, c] = geometry.triangles[triangle as usize].map(|v| v - first);
+        let [p, q, r] = [a, b, c].map(|t| Vec3::from(texture.texels[t as usize]));
+        let found = Lookup {
+            value: p + (q - p) * b1 + (r - p) * b2,
+            texels: [a, b, c, a],
+            weights: [1.0 - b1 - b2, b1, b2, 0.0],
+            by_uv: [Vec3::ZERO; 2],
+            by_place: [Vec3::ZERO; 2],
+            uv: Vec2::ZERO,
+        };
+        return (found, [q - p, r - p]);
     }
     let [p, q, r] = geometry.triangles[triangle as usize].map(|v| geometry.uvs[v as usize]);
     let (along_1, along_2) = (q - p, r - p);

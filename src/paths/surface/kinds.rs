@@ -1,6 +1,7 @@
 //! What kinds of surfaces a packet has met, a bit a lane.
 
 use crate::kernels::bsdf::KindMasks;
+use crate::kernels::layered::LitMasks;
 use crate::lanes::{Lane, Real};
 use crate::paths::rays::lane_mask;
 
@@ -20,6 +21,15 @@ pub struct Kinds {
     pub dielectric: u32,
     pub plastic: u32,
     pub null: u32,
+    /// Of the dielectric ones, panes.
+    pub thin: u32,
+    pub principled: u32,
+    /// Rough metal and glass whose roughness depends on the direction.
+    pub grained: u32,
+    /// Of the principled ones, those that let light through.
+    pub transmits: u32,
+    /// A picture turns the normal.
+    pub relief: u32,
     /// Interfaces without roughness.
     pub smooth: u32,
     pub ggx: u32,
@@ -35,12 +45,17 @@ pub struct Kinds {
 impl Kinds {
     /// Lanes that need more than a diffuse reflectance.
     pub fn special(&self) -> u32 {
-        self.conductor | self.dielectric | self.plastic | self.null
+        self.conductor | self.dielectric | self.plastic | self.null | self.principled
+    }
+
+    /// Lanes whose formulas are those of `kernels::layered`.
+    pub fn layered(&self) -> u32 {
+        self.principled | self.grained
     }
 
     /// Lanes with a lobe too narrow for light samples: lights are seen in it along bounces alone.
     pub fn seen_along_bounces(&self) -> u32 {
-        self.special() & !self.wide
+        self.special() & (!self.wide | self.principled)
     }
 
     /// Lanes that delta lights light otherwise than through [`Self::rough_glass`]: all that are not
@@ -49,9 +64,9 @@ impl Kinds {
         !(self.dielectric | self.null | (self.conductor & self.smooth))
     }
 
-    /// Lanes of rough glass.
+    /// Lanes of rough glass and of what else lets light through that rough interfaces scatter.
     pub fn rough_glass(&self) -> u32 {
-        self.dielectric & !self.smooth
+        (self.dielectric & !self.smooth) | self.transmits
     }
 
     /// What of each lane `light` lights: diffuse reflection and the lobes in the second mask.
@@ -79,6 +94,19 @@ impl Kinds {
         self.map(|bits| bits >> lane & 1 == 1)
     }
 
+    /// Which lobes of layered surfaces this kind of light lights.
+    pub fn lit_masks<F: Real<Mask = <Lane as Real>::Mask>>(&self, light: LightKind) -> LitMasks<F> {
+        let [_, lobes] = self.lit_by(light);
+        let coat = match light {
+            LightKind::Sampled => 0,
+            LightKind::Delta => u32::MAX,
+        };
+        LitMasks {
+            has_lobe: lane_mask(lobes),
+            has_coat: lane_mask(coat),
+        }
+    }
+
     fn map<F: Real>(&self, mask: impl Fn(u32) -> F::Mask) -> KindMasks<F> {
         KindMasks {
             is_conductor: mask(self.conductor),
@@ -86,6 +114,8 @@ impl Kinds {
             is_smooth: mask(self.smooth),
             is_ggx: mask(self.ggx),
             is_nonlinear: mask(self.nonlinear),
+            is_thin: mask(self.thin),
+            is_principled: mask(self.principled),
             is_entering: mask(!self.inside),
         }
     }

@@ -4,6 +4,7 @@ use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::bsdf::bsdf_sample;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::fresnel::fresnel_dielectric;
+use crate::kernels::layered::layered_sample;
 use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::Numbers;
@@ -11,6 +12,7 @@ use crate::paths::dimensions::Pair;
 use crate::paths::rays::{RayPacket, lane_mask, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{Lobes, Vertices};
+use crate::paths::surface::layered_sample::{Chances, Grain, coat_normal, pdf_coat_normal};
 use crate::paths::surface::microfacet_sample::{pdf_normal, visible_normal};
 use crate::paths::surface::vertex::Surface;
 use glam::DVec3;
@@ -120,6 +122,24 @@ impl SceneView<'_> {
             vertices.kinds.masks(),
         );
         vertices.weight = weight * vertices.inverse_density;
+        let Some(layers) = &surface.layers else {
+            vertices.weight = surface.shown(vertices, next, vertices.weight);
+            return next;
+        };
+        let (own, weight) = layered_sample(
+            surface.n,
+            vertices.direction,
+            local,
+            *interface,
+            *layers,
+            vertices.lobes.masks(),
+            vertices.kinds.masks(),
+        );
+        let is_layered = lane_mask(vertices.kinds.layered());
+        let weight = weight * vertices.inverse_density;
+        vertices.weight = V3::select(is_layered, weight, vertices.weight);
+        let next = V3::select(is_layered, own, next);
+        vertices.weight = surface.shown(vertices, next, vertices.weight);
         next
     }
 
@@ -135,7 +155,7 @@ impl SceneView<'_> {
         let V3 { x, y, z } = vertices.local;
         let [mut lx, mut ly, mut lz] = [x, y, z].map(Lane::to_array);
         let mut density = [1.0f32; LANES];
-        let mut chances = [1.0f32; LANES];
+        let mut chances_of = [1.0f32; LANES];
         let mut lobes = Lobes::default();
         let kinds = vertices.kinds;
         for lane in 0..LANES {
@@ -152,39 +172,78 @@ impl SceneView<'_> {
                 let chance = view.specular_chance;
                 if choice[lane] >= chance {
                     lobes.diffuse |= bit;
-                    chances[lane] = 1.0 - chance;
+                    chances_of[lane] = 1.0 - chance;
                     continue;
                 }
-                chances[lane] = chance;
+                chances_of[lane] = chance;
             }
-            let h = if kinds.smooth & bit != 0 {
-                DVec3::Z
+            if let Some(chances) = &view.layers {
+                if choice[lane] < chances.diffuse {
+                    lobes.diffuse |= bit;
+                    chances_of[lane] = chances.diffuse;
+                    continue;
+                }
+                if choice[lane] < chances.diffuse + chances.coat {
+                    let h = coat_normal(chances.gloss, [u[lane], v[lane]].map(f64::from));
+                    density[lane] = pdf_coat_normal(chances.gloss, h) as f32;
+                    (lx[lane], ly[lane], lz[lane]) = (h.x as f32, h.y as f32, h.z as f32);
+                    lobes.reflected |= bit;
+                    lobes.coat |= bit;
+                    chances_of[lane] = chances.coat;
+                    continue;
+                }
+            }
+            if let Some(grain) = &view.grain {
+                let h = grain.visible_normal(view.wi, [u[lane], v[lane]].map(f64::from));
+                density[lane] = grain.pdf_normal(view.wi, h) as f32;
+                (lx[lane], ly[lane], lz[lane]) = (h.x as f32, h.y as f32, h.z as f32);
+                if let Some(chances) = &view.layers {
+                    let main = 1.0 - chances.diffuse - chances.coat;
+                    let passes = chances.passes(view.wi.dot(h));
+                    let left = (choice[lane] - (1.0 - main)) / main;
+                    if left < passes {
+                        lobes.refracted |= bit;
+                        chances_of[lane] = main * passes;
+                    } else {
+                        lobes.reflected |= bit;
+                        chances_of[lane] = main * (1.0 - passes);
+                    }
+                    continue;
+                }
             } else {
-                let h = visible_normal(view.wi, view.alpha, [u[lane], v[lane]].map(f64::from));
-                density[lane] = pdf_normal(view.wi, h, view.alpha) as f32;
-                h
-            };
-            (lx[lane], ly[lane], lz[lane]) = (h.x as f32, h.y as f32, h.z as f32);
+                let h = if kinds.smooth & bit != 0 {
+                    DVec3::Z
+                } else {
+                    let h = visible_normal(view.wi, view.alpha, [u[lane], v[lane]].map(f64::from));
+                    density[lane] = pdf_normal(view.wi, h, view.alpha) as f32;
+                    h
+                };
+                (lx[lane], ly[lane], lz[lane]) = (h.x as f32, h.y as f32, h.z as f32);
+            }
             if kinds.dielectric & bit != 0 {
+                let h = DVec3::new(lx[lane].into(), ly[lane].into(), lz[lane].into());
                 let ratio = if kinds.inside & bit != 0 {
                     1.0 / view.eta
                 } else {
                     view.eta
                 };
-                let reflected = fresnel_dielectric(view.wi.dot(h).max(1e-6), ratio) as f32;
+                let mut reflected = fresnel_dielectric(view.wi.dot(h).max(1e-6), ratio) as f32;
+                if kinds.thin & bit != 0 {
+                    reflected *= 2.0 / (1.0 + reflected);
+                }
                 if choice[lane] >= reflected {
                     lobes.refracted |= bit;
-                    chances[lane] = 1.0 - reflected;
+                    chances_of[lane] = 1.0 - reflected;
                     continue;
                 }
-                chances[lane] = reflected;
+                chances_of[lane] = reflected;
             }
             lobes.reflected |= bit;
         }
         vertices.lobes = lobes;
         vertices.local = V3::new(Lane::new(lx), Lane::new(ly), Lane::new(lz));
         let one = Lane::splat(1.0);
-        vertices.lobe_chance = Lane::new(chances);
+        vertices.lobe_chance = Lane::new(chances_of);
         let density = Lane::new(density) * vertices.lobe_chance;
         let zero = Lane::splat(0.0);
         vertices.inverse_density = <Lane as Real>::select(density.gt(zero), one / density, zero);
@@ -207,12 +266,16 @@ impl SceneView<'_> {
                 return 0.0;
             }
             let view = View::of_lane(vertices, surface, lane);
-            let chance = if kinds.plastic & bit != 0 {
-                view.specular_chance
-            } else {
-                1.0
+            let chance = match &view.layers {
+                Some(chances) => 1.0 - chances.diffuse - chances.coat,
+                None if kinds.plastic & bit != 0 => view.specular_chance,
+                None => 1.0,
             };
-            let mut sum = diffuse * (1.0 - chance);
+            let mut sum = diffuse
+                * match &view.layers {
+                    Some(chances) => chances.diffuse,
+                    None => 1.0 - chance,
+                };
             if kinds.wide & bit != 0 {
                 let n = lane_of(surface.n, lane).as_dvec3();
                 let d = lane_of(d, lane).as_dvec3();
@@ -220,8 +283,19 @@ impl SceneView<'_> {
                 if cos > 0.0 {
                     let h = (view.world + d).normalize();
                     let sin2 = n.cross(h).length_squared();
-                    let facets = ndf(1.0 - sin2, sin2, view.alpha, true)
-                        * smith_g1_over_cos(view.wi.z, view.alpha, true);
+                    let facets = match &view.grain {
+                        Some(grain) => {
+                            let h = frame_of_lane(surface, lane).map(|axis| axis.dot(h));
+                            let h = DVec3::from(h);
+                            let passes = view.layers.as_ref();
+                            let passes = passes.map_or(0.0, |l| l.passes(view.wi.dot(h)));
+                            grain.visible_over_cos(view.wi, h) * f64::from(1.0 - passes)
+                        }
+                        None => {
+                            ndf(1.0 - sin2, sin2, view.alpha, true)
+                                * smith_g1_over_cos(view.wi.z, view.alpha, true)
+                        }
+                    };
                     sum += chance * (facets / (4.0 * cos)) as f32;
                 }
             }
@@ -240,6 +314,10 @@ pub struct View {
     pub eta: f64,
     /// Of a plastic: chance that its specular lobe is drawn.
     pub specular_chance: f32,
+    /// Given where roughness depends on the direction, and where there are layers.
+    pub grain: Option<Grain>,
+    /// Given where there are layers.
+    pub layers: Option<Chances>,
 }
 
 impl View {
@@ -255,6 +333,8 @@ impl View {
                 alpha: 1.0,
                 eta: 1.0,
                 specular_chance: 0.0,
+                grain: None,
+                layers: None,
             };
         };
         let eta = s.eta.x.to_array()[lane] as f64;
@@ -274,6 +354,17 @@ impl View {
             alpha: s.alpha.to_array()[lane] as f64,
             eta,
             specular_chance,
+            grain: Grain::of_lane(vertices, surface, lane, frame),
+            layers: Chances::of_lane(vertices, surface, lane),
+        }
+    }
+
+    /// How rough the lobe that was drawn is in a direction across the normal (unit, in the world).
+    pub fn alpha_along(&self, vertices: &Vertices, lane: usize, tangent: DVec3) -> f64 {
+        match (&self.grain, &self.layers) {
+            (_, Some(chances)) if vertices.lobes.coat >> lane & 1 == 1 => chances.coat_alpha(),
+            (Some(grain), _) => grain.alpha_along(tangent),
+            _ => self.alpha,
         }
     }
 }

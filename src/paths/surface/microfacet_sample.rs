@@ -9,8 +9,13 @@ use crate::kernels::microfacet::{ndf, smith_g1_over_cos};
 use glam::DVec3;
 
 /// A normal seen from the unit direction `wi` (z up, above the horizon), from two uniform numbers.
-pub fn visible_normal(wi: DVec3, alpha: f64, [u, v]: [f64; 2]) -> DVec3 {
-    let squeeze = DVec3::new(alpha, alpha, 1.0);
+pub fn visible_normal(wi: DVec3, alpha: f64, random: [f64; 2]) -> DVec3 {
+    visible_normal_of(wi, [alpha; 2], random)
+}
+
+/// The same of roughnesses along x and y.
+pub fn visible_normal_of(wi: DVec3, [along, across]: [f64; 2], [u, v]: [f64; 2]) -> DVec3 {
+    let squeeze = DVec3::new(along, across, 1.0);
     let seen = (wi * squeeze).normalize();
     let z = (1.0 - u) * (1.0 + seen.z) - seen.z;
     let radius = (1.0 - z * z).max(0.0).sqrt();

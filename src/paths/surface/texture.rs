@@ -55,7 +55,8 @@ impl Lookup {
 /// The texture at texture coordinates `uv`; constants have the same value everywhere.
 pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
     match texture.layout {
-        Layout::Constant => Lookup::of_one(texture, 0),
+        // Those of vertices are looked up on their triangles.
+        Layout::Constant | Layout::Vertices => Lookup::of_one(texture, 0),
         Layout::Checkerboard { to_uv } => {
             let at = to_uv.transform_point2(uv);
             let is_late = |x: f32| x - x.floor() > 0.5;
@@ -107,6 +108,54 @@ pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
             }
         }
     }
+}
+
+/// How a picture of heights rises.
+#[derive(Clone, Copy, Debug)]
+pub struct Rise {
+    /// Along u and v as the mesh has them.
+    pub by_uv: [f32; 2],
+    pub texels: [u32; 4],
+    /// The slopes of `by_uv` by these texels.
+    pub by_texels: [[f32; 4]; 2],
+    /// The slopes of `by_uv` along u and v.
+    pub bends: [[f32; 2]; 2],
+}
+
+/// How a texture rises at texture coordinates `uv`: zero where it is no filtered picture.
+pub fn rise(texture: &Texture, uv: Vec2) -> Rise {
+    let found = lookup(texture, uv);
+    let mut rise = Rise {
+        by_uv: found.by_uv.map(|by| by.x),
+        texels: found.texels,
+        by_texels: [[0.0; 4]; 2],
+        bends: [[0.0; 2]; 2],
+    };
+    let Layout::Bitmap {
+        width,
+        height,
+        bilinear: true,
+        to_uv,
+        ..
+    } = texture.layout
+    else {
+        return rise;
+    };
+    let scale = Vec2::new(width as f32, height as f32);
+    let at = to_uv.transform_point2(uv) * scale - 0.5;
+    let part = at - at.floor();
+    let by_x = [part.y - 1.0, 1.0 - part.y, -part.y, part.y].map(|w| w * scale.x);
+    let by_y = [part.x - 1.0, -part.x, 1.0 - part.x, part.x].map(|w| w * scale.y);
+    let m = to_uv.matrix2;
+    // Along u both coordinates of the picture change, by the first column.
+    for (row, column) in [m.x_axis, m.y_axis].into_iter().enumerate() {
+        rise.by_texels[row] = std::array::from_fn(|t| by_x[t] * column.x + by_y[t] * column.y);
+    }
+    let [a, b, c, d] = found.texels.map(|t| texture.texels[t as usize][0]);
+    let twist = (a - b - c + d) * scale.x * scale.y;
+    let columns = [m.x_axis, m.y_axis];
+    rise.bends = columns.map(|p| columns.map(|q| twist * (p.x * q.y + p.y * q.x)));
+    rise
 }
 
 /// The texel that stands for texel `at` of a row of `size`.

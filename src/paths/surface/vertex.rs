@@ -1,6 +1,7 @@
 //! Where rays end: positions, normals, and what is there.
 
-use crate::kernels::bsdf::{Interface, bsdf_evaluate, consistent_normal};
+use crate::kernels::bsdf::{Interface, bsdf_evaluate, bsdf_evaluate_glass, consistent_normal};
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sent};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
@@ -8,6 +9,8 @@ use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::layers::tangent;
+use crate::paths::surface::relief::{shown, turned};
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -16,11 +19,27 @@ pub struct Surface {
     pub x: V3<Lane>,
     /// Unit shading normal, on the side the ray came from.
     pub n: V3<Lane>,
+    /// The same before a picture turned it.
+    pub base_n: V3<Lane>,
     /// Unit geometric normal, as the triangle is wound.
     pub geometric: V3<Lane>,
     pub b: [Lane; 2],
     /// Given if any lane is more than diffuse.
     pub interface: Option<Interface<Lane>>,
+    /// Given if any lane has layers or a grain.
+    pub layers: Option<Layers<Lane>>,
+    /// Whether someone asks about what is not there at present, so that it is drawn all the same.
+    pub black_goes_on: bool,
+}
+
+impl Surface {
+    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
+    pub fn shown(&self, vertices: &Vertices, w: V3<Lane>, value: V3<Lane>) -> V3<Lane> {
+        if vertices.kinds.relief == 0 {
+            return value;
+        }
+        value * shown(vertices, self.base_n, self.n, w)
+    }
 }
 
 impl SceneView<'_> {
@@ -43,13 +62,19 @@ impl SceneView<'_> {
         let side = -(geometric.dot(d).signum());
         vertices.facing = side * (n.dot(geometric).signum());
         n = n * vertices.facing;
-        vertices.kinds = self.kinds(&vertices.triangle, vertices.facing);
+        vertices.kinds = self.kinds(vertices);
         let special = vertices.kinds.special();
-        if special & smooth != 0 {
-            n = V3::select(lane_mask(special & smooth), consistent_normal(n, d), n);
+        let kept_above = (special | vertices.kinds.relief) & smooth;
+        if kept_above != 0 {
+            n = V3::select(lane_mask(kept_above), consistent_normal(n, d), n);
         }
         let b = [b1, b2];
-        let interface = if special != 0 || self.materials.any_texture {
+        let base_n = n;
+        if let Some(maps) = self.relief_maps(vertices, b) {
+            n = turned(vertices, n, [v0, v1, v2], &maps);
+        }
+        let special = special | vertices.kinds.relief;
+        let interface = if special != 0 || self.materials.any_texture || vertices.choice.is_some() {
             let interface = self.interface(vertices, b);
             vertices.diffuse_reflectance = interface.reflectance;
             (special != 0).then_some(interface)
@@ -64,14 +89,23 @@ impl SceneView<'_> {
             });
             None
         };
+        let layers = if vertices.kinds.layered() == 0 {
+            None
+        } else {
+            let grain = self.grain(&vertices.triangle);
+            self.layers(vertices, b, tangent([v0, v1, v2], grain))
+        };
         Surface {
             // In slender triangles the distance along the ray is not good enough for a point of the
             // plane, and rays that leave would meet their own surface.
             x: v0 + (v1 - v0) * b1 + (v2 - v0) * b2,
             n,
+            base_n,
             geometric,
             b,
             interface,
+            layers,
+            black_goes_on: self.limits.black_goes_on,
         }
     }
 
@@ -136,7 +170,48 @@ impl SceneView<'_> {
             vertices.kinds.masks(),
             lane_mask(lobes),
         );
-        masked(lit, value)
+        let value = match &surface.layers {
+            None => value,
+            Some(layers) => {
+                let layered = layered_evaluate(
+                    surface.n,
+                    vertices.direction,
+                    w,
+                    *interface,
+                    *layers,
+                    vertices.kinds.masks(),
+                    vertices.kinds.lit_masks(light),
+                );
+                V3::select(lane_mask(vertices.kinds.layered()), layered, value)
+            }
+        };
+        masked(lit, surface.shown(vertices, w, value))
+    }
+
+    /// What is sent of a beam of unit irradiance (across it) that comes from `w`, on either side, in
+    /// lanes of `glass`: the BSDF times the cosine.
+    pub fn bsdf_sent(
+        &self,
+        vertices: &Vertices,
+        surface: &Surface,
+        w: V3<Lane>,
+        glass: u32,
+    ) -> V3<Lane> {
+        let Some(interface) = surface.interface else {
+            return V3::splat(0.0);
+        };
+        let (n, direction, kinds) = (surface.n, vertices.direction, vertices.kinds.masks());
+        let sent = bsdf_evaluate_glass(n, direction, w, interface, lane_mask(glass), kinds);
+        let sent = match surface.layers {
+            None => sent,
+            Some(layers) => {
+                let layered = glass & vertices.kinds.layered();
+                let is_layered = lane_mask(layered);
+                let own = layered_sent(n, direction, w, interface, layers, kinds, is_layered);
+                V3::select(is_layered, own, sent)
+            }
+        };
+        surface.shown(vertices, w, sent)
     }
 
     /// Lanes of diffuse surfaces that are black, unless someone asks what would change if they were

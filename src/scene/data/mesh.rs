@@ -1,6 +1,6 @@
 //! Triangles in world space.
 
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 
 /// A triangle mesh in world space.
 #[derive(Clone, Debug, Default)]
@@ -9,6 +9,8 @@ pub struct Mesh {
     pub id: String,
     /// World space, already transformed.
     pub positions: Vec<Vec3>,
+    /// What took the shape (or the instance's group) there.
+    pub to_world: DAffine3,
     /// Counter-clockwise seen from outside, `flip_normals` already applied.
     pub triangles: Vec<[u32; 3]>,
     pub normals: Normals,
@@ -18,6 +20,28 @@ pub struct Mesh {
     pub material: usize,
     /// Index into [`super::Scene::area_lights`].
     pub area_light: Option<usize>,
+}
+
+/// Meshes in a row that move as one: a shape, or an instance of several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Body {
+    pub first: usize,
+    pub count: usize,
+}
+
+impl Body {
+    /// The body of one mesh.
+    pub fn of(mesh: usize) -> Self {
+        Self {
+            first: mesh,
+            count: 1,
+        }
+    }
+
+    /// Indices into [`super::Scene::meshes`].
+    pub fn meshes(self) -> std::ops::Range<usize> {
+        self.first..self.first + self.count
+    }
 }
 
 /// How a mesh is shaded.

@@ -24,6 +24,8 @@ pub struct Texture {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Layout {
     Constant,
+    /// A texel for each vertex of the mesh, linear between.
+    Vertices,
     /// The first texel where both coordinates, after `to_uv`, are in the same half of the unit,
     /// else the second.
     Checkerboard {
@@ -43,7 +45,7 @@ impl Layout {
     /// What happens to texture coordinates first, unless they do not matter.
     pub fn to_uv(&self) -> Option<Affine2> {
         match *self {
-            Layout::Constant => None,
+            Layout::Constant | Layout::Vertices => None,
             Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
         }
     }
@@ -51,7 +53,7 @@ impl Layout {
     /// The same, to be changed.
     pub fn to_uv_mut(&mut self) -> Option<&mut Affine2> {
         match self {
-            Layout::Constant => None,
+            Layout::Constant | Layout::Vertices => None,
             Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
         }
     }
@@ -77,9 +79,14 @@ impl Texture {
         }
     }
 
-    /// Whether it varies over a surface, which then needs texture coordinates.
+    /// Whether it varies over a surface.
     pub fn varies(&self) -> bool {
         self.layout != Layout::Constant
+    }
+
+    /// Whether it varies over texture coordinates, which a surface needs then.
+    pub fn varies_by_uv(&self) -> bool {
+        !matches!(self.layout, Layout::Constant | Layout::Vertices)
     }
 
     /// Which texel is `color0` (or `color1`, if `number` is 1) of a checkerboard. Mitsuba exchanges

@@ -10,12 +10,14 @@ use crate::scene::xml::Object;
 
 /// Mitsuba's default roughness.
 const ALPHA: f64 = 0.1;
+/// The slots of roughness.
+pub(super) const ALPHAS: [&str; 3] = ["alpha", "alpha_u", "alpha_v"];
 
 pub(super) fn dielectric(mut slots: Slots) -> Result<Bsdf, SceneError> {
     let is_rough = slots.object.plugin == "roughdielectric";
     let mut names = vec!["specular_reflectance", "specular_transmittance"];
     if is_rough {
-        names.push("alpha");
+        names.extend(ALPHAS);
     }
     slots.only(&names)?;
     Ok(Bsdf::Dielectric {
@@ -27,6 +29,16 @@ pub(super) fn dielectric(mut slots: Slots) -> Result<Bsdf, SceneError> {
         } else {
             None
         },
+    })
+}
+
+/// A pane, without any thickness of its own.
+pub(super) fn thin_dielectric(mut slots: Slots) -> Result<Bsdf, SceneError> {
+    slots.only(&["specular_reflectance", "specular_transmittance"])?;
+    Ok(Bsdf::ThinDielectric {
+        eta: eta(&mut slots, "bk7")?,
+        specular_reflectance: slots.texture("specular_reflectance", [1.0; 3], REFLECTANCE)?,
+        specular_transmittance: slots.texture("specular_transmittance", [1.0; 3], REFLECTANCE)?,
     })
 }
 
@@ -102,42 +114,52 @@ pub(super) fn microfacets(slots: &mut Slots) -> Result<Microfacets, SceneError> 
     };
     // How Mitsuba draws samples, which does not change the image.
     object.boolean("sample_visible", true)?;
-    let alpha = match both_alphas(object)? {
-        Some(_) if object.has("alpha") || object.children.iter().any(|c| c.name == "alpha") => {
+    let is_given = |name: &str| object.has(name) || object.children.iter().any(|c| c.name == name);
+    let (has_u, has_v) = (is_given("alpha_u"), is_given("alpha_v"));
+    let (alpha, alpha_v) = match (has_u, has_v) {
+        (false, false) => (slots.texture("alpha", [ALPHA; 3], ROUGHNESS)?, None),
+        (true, true) if is_given("alpha") => {
             let what = "\"alpha\" cannot be given together with \"alpha_u\" and \"alpha_v\"";
             return Err(object.property_error("alpha", what));
         }
-        Some(alpha) => alpha,
-        None => ALPHA,
+        (true, true) if object.plugin == "roughplastic" => (same_alphas(slots)?, None),
+        (true, true) => (
+            slots.texture("alpha_u", [ALPHA; 3], ROUGHNESS)?,
+            Some(slots.texture("alpha_v", [ALPHA; 3], ROUGHNESS)?),
+        ),
+        (true, false) => {
+            let what = "\"alpha_v\" is missing beside it";
+            return Err(object.property_error("alpha_u", what));
+        }
+        (false, true) => {
+            let what = "\"alpha_u\" is missing beside it";
+            return Err(object.property_error("alpha_v", what));
+        }
     };
     Ok(Microfacets {
         distribution,
-        alpha: slots.texture("alpha", [alpha; 3], ROUGHNESS)?,
+        alpha,
+        alpha_v,
     })
 }
 
-/// `alpha_u` and `alpha_v`, if they are given and equal.
-fn both_alphas(object: &Object) -> Result<Option<f64>, SceneError> {
+/// The roughness of a plastic that is given along u and along v, where it has to be the same.
+fn same_alphas(slots: &mut Slots) -> Result<usize, SceneError> {
+    let object = slots.object;
     match (object.number("alpha_u")?, object.number("alpha_v")?) {
-        (None, None) => Ok(None),
         (Some(u), Some(v)) if u == v => {
             let [_, high] = ROUGHNESS.limits;
-            if (0.0..=f64::from(high)).contains(&u) {
-                return Ok(Some(u.max(f64::from(ROUGHNESS.limits[0]))));
+            if !(0.0..=f64::from(high)).contains(&u) {
+                let what = format!("\"alpha_u\" must be between 0 and {high}, not {u}");
+                return Err(object.property_error("alpha_u", what));
             }
-            let what = format!("\"alpha_u\" must be between 0 and {high}, not {u}");
-            Err(object.property_error("alpha_u", what))
+            let alpha = u.max(f64::from(ROUGHNESS.limits[0])) as f32;
+            Ok(slots.constant("alpha", [alpha; 3], ROUGHNESS))
         }
-        (Some(_), Some(_)) => {
-            let what = "roughness that depends on the direction (alpha_u unlike alpha_v) is not supported; \
+        _ => {
+            let what = "the roughness of a roughplastic cannot depend on the direction (alpha_u unlike alpha_v); \
                         give \"alpha\"";
             Err(object.property_error("alpha_v", what))
-        }
-        (Some(_), None) => {
-            Err(object.property_error("alpha_u", "\"alpha_v\" is missing beside it"))
-        }
-        (None, Some(_)) => {
-            Err(object.property_error("alpha_v", "\"alpha_u\" is missing beside it"))
         }
     }
 }

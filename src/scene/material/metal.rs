@@ -1,6 +1,6 @@
 //! `conductor` and `roughconductor`.
 
-use super::interface::microfacets;
+use super::interface::{ALPHAS, microfacets};
 use crate::scene::data::Bsdf;
 use crate::scene::error::SceneError;
 use crate::scene::metals::METALS;
@@ -15,7 +15,7 @@ pub(super) fn conductor(mut slots: Slots) -> Result<Bsdf, SceneError> {
     let is_rough = slots.object.plugin == "roughconductor";
     let mut names = vec!["eta", "k", "specular_reflectance"];
     if is_rough {
-        names.push("alpha");
+        names.extend(ALPHAS);
     }
     slots.only(&names)?;
     let name = slots.object.string("material")?;

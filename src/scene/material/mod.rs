@@ -2,9 +2,13 @@
 
 mod interface;
 mod metal;
+mod mixed;
+mod principled;
+mod relief;
+mod wrappers;
 
 use super::camera::cannot_stand_inside;
-use super::data::{Bsdf, Material};
+use super::data::{Bsdf, Material, Relief};
 use super::error::SceneError;
 use super::input::Input;
 use super::texture::{REFLECTANCE, Slots, Textures};
@@ -20,6 +24,12 @@ pub(super) struct Materials {
     by_object: HashMap<usize, Bsdf>,
     /// By that element, and whether it is two-sided.
     by_use: HashMap<(usize, bool), usize>,
+    /// Pictures that turn normals, by the element that says so.
+    reliefs: HashMap<usize, Relief>,
+    /// What says how much there is of the parts of a mixture, by its element.
+    fractions: HashMap<usize, usize>,
+    /// How many mixtures the present element stands in.
+    depth: usize,
 }
 
 impl Materials {
@@ -36,15 +46,36 @@ impl Materials {
         let object = &tree.objects[index];
         let two_sided = object.plugin == "twosided";
         let inner = inner(tree, index)?;
+        let key = object.id.as_deref().unwrap_or(key);
+        self.inner(input, textures, inner, key, two_sided)
+    }
+
+    /// The same of an element that is no `twosided`, of which both sides are alike if it stands in
+    /// one.
+    fn inner(
+        &mut self,
+        input: &mut Input,
+        textures: &mut Textures,
+        inner: usize,
+        key: &str,
+        two_sided: bool,
+    ) -> Result<usize, SceneError> {
         if let Some(&material) = self.by_use.get(&(inner, two_sided)) {
             return Ok(material);
         }
-        let key = object.id.as_deref().unwrap_or(key).to_string();
+        let tree = input.tree;
+        if wrappers::turns_normals(&tree.objects[inner]) {
+            return self.turned(input, textures, inner, key, two_sided);
+        }
+        // Mitsuba puts what is inside a twosided one level down.
+        let level = if two_sided { ".brdf_0" } else { "" };
         let bsdf = match self.by_object.get(&inner) {
             Some(&bsdf) => bsdf,
+            None if wrappers::is_mixed(&tree.objects[inner]) => {
+                let key = format!("{key}{level}");
+                self.mixed(input, textures, inner, &key, two_sided)?
+            }
             None => {
-                // Mitsuba puts what is inside a twosided one level down.
-                let level = if two_sided { ".brdf_0" } else { "" };
                 let slots = Slots {
                     input,
                     textures,
@@ -57,9 +88,10 @@ impl Materials {
             }
         };
         self.list.push(Material {
-            key,
+            key: key.to_string(),
             bsdf,
             two_sided,
+            relief: None,
         });
         let material = self.list.len() - 1;
         self.by_use.insert((inner, two_sided), material);
@@ -74,10 +106,40 @@ impl Materials {
         index: usize,
         key: &str,
     ) -> Result<(), SceneError> {
-        if !self.by_object.contains_key(&inner(input.tree, index)?) {
+        let inner = inner(input.tree, index)?;
+        if !self.by_object.contains_key(&inner) && !self.fractions.contains_key(&inner) {
             self.bsdf(input, textures, index, key)?;
         }
         Ok(())
+    }
+
+    /// In place of a bsdf that cannot be read, when parameters are listed: one without any.
+    pub fn unknown(&mut self, key: &str) -> usize {
+        self.list.push(Material {
+            key: key.to_string(),
+            bsdf: Bsdf::Null,
+            two_sided: false,
+            relief: None,
+        });
+        self.list.len() - 1
+    }
+
+    /// The textures of a material and of all that it is made of.
+    pub fn textures(&self, material: usize) -> Vec<usize> {
+        let nested = self.list[material].bsdf.nested().into_iter();
+        let mut textures = self.list[material].textures();
+        textures.extend(nested.flat_map(|n| self.textures(n.1)));
+        textures
+    }
+
+    /// Whether texture coordinates say in which direction a material, or a part of it, is brushed or
+    /// turned.
+    pub fn has_grain(&self, material: usize) -> bool {
+        let material = &self.list[material];
+        let nested = material.bsdf.nested().into_iter();
+        material.relief.is_some()
+            || material.bsdf.has_grain()
+            || nested.map(|n| n.1).any(|n| self.has_grain(n))
     }
 
     /// What Mitsuba gives a shape without a bsdf: grey, or black if it emits.
@@ -91,6 +153,7 @@ impl Materials {
             key: key.to_string(),
             bsdf: Bsdf::Diffuse { reflectance },
             two_sided: false,
+            relief: None,
         });
         self.list.len() - 1
     }
@@ -114,16 +177,7 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
         if inner.tag != "bsdf" || inner.plugin == "twosided" {
             return Err(cannot_stand_inside(child, inner, object));
         }
-        if matches!(
-            inner.plugin.as_str(),
-            "dielectric" | "roughdielectric" | "null"
-        ) {
-            let what = format!(
-                "{} lets light through and has both sides already; it cannot stand inside a twosided",
-                inner.shown()
-            );
-            return Err(SceneError::at(&child.place, what));
-        }
+        wrappers::refuse_transmission(inner, child)?;
         if found.replace(child.object).is_some() {
             let what =
                 "different bsdfs for the two sides are not supported yet; give twosided one bsdf";
@@ -135,12 +189,14 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
     })
 }
 
-/// Any bsdf but `twosided`.
+/// Any bsdf but `twosided`, and but mixtures.
 fn read(mut slots: Slots) -> Result<Bsdf, SceneError> {
     match slots.object.plugin.as_str() {
         "conductor" | "roughconductor" => metal::conductor(slots),
         "dielectric" | "roughdielectric" => interface::dielectric(slots),
         "plastic" | "roughplastic" => interface::plastic(slots),
+        "thindielectric" => interface::thin_dielectric(slots),
+        "principled" => principled::principled(slots),
         "null" => slots.only(&[]).map(|()| Bsdf::Null),
         _ => {
             slots.only(&["reflectance"])?;

@@ -18,6 +18,8 @@ pub(in crate::scene) struct Placement {
 
 /// The mesh in the world, without id, material and light, and a remark if faces were dropped.
 ///
+/// A mesh that no ray can meet is empty.
+///
 /// Vertices keep their numbers, also those that nothing uses: `vertex_positions` is as in the file.
 pub(in crate::scene) fn finish(
     raw: RawMesh,
@@ -54,8 +56,8 @@ pub(in crate::scene) fn finish(
     triangles.retain(|t| has_area(&positions, t));
     let dropped = all - triangles.len();
     if triangles.is_empty() {
-        let what = format!("none of the mesh's {all} faces has an area");
-        return Err(MeshError::new("", what));
+        let what = format!("none of the mesh's {all} faces has an area: the shape is left out");
+        return Ok((Mesh::default(), Some(what)));
     }
     let normals = if placement.face_normals {
         Normals::Flat
@@ -90,6 +92,7 @@ pub(in crate::scene) fn finish(
     }
     let mesh = Mesh {
         positions,
+        to_world: placement.to_world,
         triangles,
         normals,
         uvs,

@@ -23,6 +23,8 @@ pub struct RawMesh {
     pub normals: Option<Vec<Vec3>>,
     /// One a vertex and finite, if the file has them: as they are written, not flipped.
     pub uvs: Option<Vec<Vec2>>,
+    /// One a vertex and finite, if the file has them.
+    pub colours: Option<Vec<[f32; 3]>>,
 }
 
 /// What is wrong with a mesh file, without the file's name.

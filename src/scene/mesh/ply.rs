@@ -1,6 +1,6 @@
 //! PLY files: ASCII and binary of either byte order.
 
-use super::ply_record::{CORNER_LISTS, Record, UV_PAIRS, Words};
+use super::ply_record::{COLOURS, CORNER_LISTS, Record, UV_PAIRS, Words};
 use super::{MeshError, RawMesh, fan};
 use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -152,6 +152,8 @@ struct MeshBuilder {
     has_normals: bool,
     /// Which of [`UV_PAIRS`] the file has.
     uv_pair: Option<usize>,
+    /// Which of [`COLOURS`] the file has.
+    colour: Option<usize>,
     /// Largest corner index so far with its face: vertices may come after faces.
     largest_corner: Option<(u32, usize)>,
 }
@@ -184,6 +186,9 @@ impl MeshBuilder {
             uv_pair: UV_PAIRS
                 .iter()
                 .position(|pair| pair.iter().all(|name| is_number(name))),
+            colour: COLOURS
+                .iter()
+                .position(|names| names.iter().all(|name| is_number(name))),
             largest_corner: None,
         })
     }
@@ -224,6 +229,14 @@ impl MeshBuilder {
                 ));
             }
             self.mesh.uvs.get_or_insert_default().push(uv);
+        }
+        if let Some(names) = self.colour {
+            let colour = record.colours[names];
+            if !Vec3::from(colour).is_finite() {
+                let what = "the colour is not finite";
+                return Err(MeshError::new(format!(", vertex {index}"), what));
+            }
+            self.mesh.colours.get_or_insert_default().push(colour);
         }
         Ok(())
     }

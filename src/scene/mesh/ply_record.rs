@@ -12,6 +12,9 @@ pub(super) const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Names of the two texture coordinates; the first pair that a file has counts, as in Mitsuba.
 pub(super) const UV_PAIRS: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
 
+/// Names of a vertex's colour; the first three that a file has count.
+pub(super) const COLOURS: [[&str; 3]; 2] = [["r", "g", "b"], ["red", "green", "blue"]];
+
 /// One vertex, face, or anything else: what of it a mesh needs.
 #[derive(Default)]
 pub(super) struct Record {
@@ -19,6 +22,8 @@ pub(super) struct Record {
     pub normal: [f32; 3],
     /// By [`UV_PAIRS`].
     pub uvs: [[f32; 2]; 3],
+    /// By [`COLOURS`].
+    pub colours: [[f32; 3]; 2],
     /// Corners of a face. Two kinds, because the parser fills a vector of the type the file has.
     pub signed_corners: Vec<i32>,
     pub corners: Vec<u32>,
@@ -36,8 +41,10 @@ impl Record {
             "nz" => self.normal[2] = value,
             _ => {
                 let pairs = UV_PAIRS.iter().zip(&mut self.uvs);
-                let mut slots = pairs.flat_map(|(names, pair)| names.iter().zip(pair));
-                match slots.find(|(n, _)| **n == name) {
+                let slots = pairs.flat_map(|(names, pair)| names.iter().zip(pair));
+                let colours = COLOURS.iter().zip(&mut self.colours);
+                let colours = colours.flat_map(|(names, colour)| names.iter().zip(colour));
+                match slots.chain(colours).find(|(n, _)| **n == name) {
                     Some((_, slot)) => *slot = value,
                     None => return PropertyAccessResult::Ignored,
                 }

@@ -3,7 +3,7 @@
 use super::entry::{Entry, Fixed};
 use super::surfaces::Slots;
 use super::target::Target;
-use crate::scene::data::{Normals, Scene, Sensor};
+use crate::scene::data::{Body, Lens, Normals, Scene, Sensor};
 
 /// Every key: shape by shape with the material and light that only it has, then shared materials,
 /// other textures and lights, the environment, the sensors.
@@ -26,30 +26,33 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
         if let Some(l) = mesh.area_light {
             slots.texture(scene.area_lights[l].radiance, &mut out);
         }
-        for (name, count, target) in [
-            ("translation", 3, Target::ShapeTranslation(m)),
-            ("rotation", 3, Target::ShapeRotation(m)),
-            ("scale", 1, Target::ShapeScale(m)),
-        ] {
-            out.push(Entry::of(format!("{id}.{name}"), &[count], target));
-        }
+        motions(id, Body::of(m), &mut out);
         let faces = [mesh.triangles.len(), 3];
         out.push(Entry::fixed(format!("{id}.faces"), &faces, Fixed::Faces(m)));
-        if !matches!(mesh.normals, Normals::Flat) {
-            out.push(Entry::fixed(
-                format!("{id}.vertex_normals"),
-                &vertices,
-                Fixed::Normals(m),
-            ));
+        let normals = format!("{id}.vertex_normals");
+        let mut entry = match mesh.normals {
+            Normals::Flat => None,
+            Normals::Given(_) => Some(Entry::of(normals, &vertices, Target::VertexNormals(m))),
+            Normals::Computed(_) => {
+                let mut entry = Entry::fixed(normals, &vertices, Fixed::Normals(m));
+                entry.refusal = Some("they are computed from the positions and follow these");
+                Some(entry)
+            }
+        };
+        if let Some(entry) = &mut entry {
+            entry.aliases.push(format!("{id}.normals"));
         }
+        out.extend(entry);
         if !mesh.uvs.is_empty() {
             let coordinates = [mesh.uvs.len(), 2];
-            out.push(Entry::fixed(
-                format!("{id}.vertex_texcoords"),
-                &coordinates,
-                Fixed::Uvs(m),
-            ));
+            let key = format!("{id}.vertex_texcoords");
+            let mut entry = Entry::fixed(key, &coordinates, Fixed::Uvs(m));
+            entry.aliases.push(format!("{id}.texcoords"));
+            out.push(entry);
         }
+    }
+    for instance in &scene.instances {
+        motions(&instance.id, instance.body, &mut out);
     }
     for m in 0..scene.materials.len() {
         slots.material(m, &mut out);
@@ -67,6 +70,19 @@ pub(super) fn entries(scene: &Scene) -> Vec<Entry> {
     out
 }
 
+/// How a shape moves as a whole.
+fn motions(id: &str, body: Body, out: &mut Vec<Entry>) {
+    for (name, count, target) in [
+        ("translation", 3, Target::ShapeTranslation(body)),
+        ("rotation", 3, Target::ShapeRotation(body)),
+        ("scale", 1, Target::ShapeScale(body)),
+    ] {
+        out.push(Entry::of(format!("{id}.{name}"), &[count], target));
+    }
+    let to_world = Target::ShapeToWorld(body);
+    out.push(Entry::of(format!("{id}.to_world"), &[4, 4], to_world));
+}
+
 fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
     let id = &sensor.id;
     out.push(Entry::of(
@@ -79,25 +95,28 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         &[3],
         Target::SensorRotation(s),
     ));
-    out.push(Entry::of(
-        format!("{id}.x_fov"),
-        &[1],
-        Target::SensorXFov(s),
-    ));
+    if !matches!(sensor.lens, Lens::Parallel { .. }) {
+        let x_fov = format!("{id}.x_fov");
+        out.push(Entry::of(x_fov, &[1], Target::SensorXFov(s)));
+    }
+    if let Lens::Thin {
+        aperture_radius,
+        focus_distance,
+    } = sensor.lens
+    {
+        for (name, number) in [
+            ("aperture_radius", aperture_radius),
+            ("focus_distance", focus_distance),
+        ] {
+            let numbers = vec![f64::from(number)];
+            out.push(Entry::numbers(format!("{id}.{name}"), &[1], numbers));
+        }
+    }
     let film = &sensor.film;
     let pair = |a: u32, b: u32| vec![f64::from(a), f64::from(b)];
-    let offset = sensor.principal_point_offset;
-    let matrix = glam::Mat4::from(sensor.to_world).transpose();
-    let rows: Vec<f64> = matrix
-        .to_cols_array()
-        .iter()
-        .map(|&v| f64::from(v))
-        .collect();
     let fixed = [
         ("near_clip", vec![f64::from(sensor.near_clip)]),
         ("far_clip", vec![f64::from(sensor.far_clip)]),
-        ("principal_point_offset_x", vec![f64::from(offset.x)]),
-        ("principal_point_offset_y", vec![f64::from(offset.y)]),
         ("film.size", pair(film.width, film.height)),
         ("film.crop_size", film.crop_size.map(f64::from).to_vec()),
         ("film.crop_offset", film.crop_offset.map(f64::from).to_vec()),
@@ -106,5 +125,13 @@ fn sensor_entries(s: usize, sensor: &Sensor, out: &mut Vec<Entry>) {
         let shape = [numbers.len()];
         out.push(Entry::numbers(format!("{id}.{name}"), &shape, numbers));
     }
-    out.push(Entry::numbers(format!("{id}.to_world"), &[4, 4], rows));
+    if sensor.lens == Lens::Pinhole {
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let key = format!("{id}.principal_point_offset_{name}");
+            let target = Target::SensorPrincipalPoint { sensor: s, axis };
+            out.push(Entry::of(key, &[1], target));
+        }
+    }
+    let to_world = Target::SensorToWorld(s);
+    out.push(Entry::of(format!("{id}.to_world"), &[4, 4], to_world));
 }

@@ -11,6 +11,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 mod to_uv;
+mod to_world;
 mod value;
 
 pub use cotangent::{reduce, wanted};

@@ -78,8 +78,12 @@ impl Parameter {
             )));
         }
         let last = self.shape.last().copied().unwrap_or(1);
+        // One number stands for a grey colour.
+        let is_colour = matches!(self.target, Some(Target::Texels(_) | Target::Texel { .. }));
         if values.len() == self.len() {
             Ok(values.to_vec())
+        } else if values.len() == 1 && is_colour {
+            Ok(values.repeat(self.len()))
         } else if values.len() == last {
             Ok(values.repeat(self.len() / last.max(1)))
         } else {

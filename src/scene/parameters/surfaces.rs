@@ -1,11 +1,11 @@
 //! Keys of textures, delta lights and the environment, by the slots that use them.
 
-use super::entry::Entry;
+use super::entry::{Entry, Fixed};
 use super::target::Target;
 use super::to_uv::rows;
-use crate::scene::data::{Bsdf, DeltaLightKind, Layout, Scene};
+use crate::scene::data::{BeamProfile, Bsdf, DeltaLightKind, Layout, Material, Scene};
 use glam::Affine2;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// One use of a texture.
 struct Use {
@@ -20,6 +20,28 @@ pub(super) struct Slots<'s> {
     scene: &'s Scene,
     uses: Vec<Vec<Use>>,
     is_listed: Vec<bool>,
+    /// Why there is no derivative by a texture.
+    refusals: HashMap<usize, &'static str>,
+}
+
+/// What each material is called: by its own key, and by the shapes and mixtures that it is part of.
+fn owners(scene: &Scene) -> Vec<Vec<String>> {
+    let keys = scene.materials.iter().map(|m| vec![m.key.clone()]);
+    let mut owners: Vec<Vec<String>> = keys.collect();
+    for mesh in &scene.meshes {
+        owners[mesh.material].push(format!("{}.bsdf", mesh.id));
+    }
+    // Parts stand before what they are part of.
+    for m in (0..scene.materials.len()).rev() {
+        for (name, nested) in scene.materials[m].bsdf.nested() {
+            for owner in owners[m].clone() {
+                for level in ["", ".brdf_0"] {
+                    owners[nested].push(format!("{owner}{level}.{name}"));
+                }
+            }
+        }
+    }
+    owners
 }
 
 impl<'s> Slots<'s> {
@@ -28,20 +50,23 @@ impl<'s> Slots<'s> {
             scene,
             uses: scene.textures.iter().map(|_| Vec::new()).collect(),
             is_listed: vec![false; scene.textures.len()],
+            refusals: HashMap::new(),
         };
-        let mut users = vec![Vec::new(); scene.materials.len()];
-        for mesh in &scene.meshes {
-            users[mesh.material].push(mesh.id.as_str());
-        }
-        for (material, users) in scene.materials.iter().zip(users) {
-            let owners = users.iter().map(|id| format!("{id}.bsdf"));
-            let owners: Vec<String> = std::iter::once(material.key.clone())
-                .chain(owners)
-                .collect();
+        for (material, owners) in scene.materials.iter().zip(owners(scene)) {
+            if let Bsdf::Principled(p) = material.bsdf {
+                if !p.transmits {
+                    let why = "the surface lets no light through; give it a spec_trans above zero";
+                    slots.refusals.insert(p.spec_trans, why);
+                }
+                if !p.is_brushed {
+                    let why = "the surface has no grain; give it an anisotropic above zero";
+                    slots.refusals.insert(p.anisotropic, why);
+                }
+            }
             let is_plastic = matches!(material.bsdf, Bsdf::Plastic { .. });
-            for (name, texture) in material.bsdf.slots() {
+            for (name, texture) in material.slots() {
                 let is_plain = scene.textures[texture].channels == 1
-                    && (name == "eta" || name == "alpha" && is_plastic);
+                    && (matches!(name, "eta" | "specular") || name == "alpha" && is_plastic);
                 for owner in &owners {
                     // Mitsuba puts the colour of a two-sided bsdf one level down; both spellings
                     // are taken for both kinds.
@@ -65,7 +90,7 @@ impl<'s> Slots<'s> {
 
     /// The textures of a material that are not listed yet.
     pub fn material(&mut self, m: usize, out: &mut Vec<Entry>) {
-        for texture in self.scene.materials[m].bsdf.textures() {
+        for texture in self.scene.textures_of(m) {
             self.texture(texture, out);
         }
     }
@@ -81,7 +106,18 @@ impl<'s> Slots<'s> {
             Layout::Constant => {
                 let plain = self.uses[t].iter().any(|u| u.is_plain);
                 let suffix = if plain { "" } else { ".value" };
-                out.push(self.entry(t, suffix, &[channels], Target::Texels(t)));
+                let mut entry = self.entry(t, suffix, &[channels], Target::Texels(t));
+                entry.refusal = self.refusals.get(&t).copied();
+                if entry.refusal.is_some() {
+                    let number = f64::from(texture.texels[0][0]);
+                    entry.target = None;
+                    entry.fixed = Fixed::Numbers(vec![number; channels]);
+                }
+                out.push(entry);
+            }
+            Layout::Vertices => {
+                let shape = [texture.texels.len(), channels];
+                out.push(self.entry(t, "", &shape, Target::Texels(t)));
             }
             Layout::Checkerboard { to_uv } => {
                 for number in 0..2 {
@@ -102,6 +138,11 @@ impl<'s> Slots<'s> {
             } => {
                 let shape = [height as usize, width as usize, channels];
                 out.push(self.entry(t, ".data", &shape, Target::Texels(t)));
+                let bumps = |m: &Material| {
+                    m.relief
+                        .is_some_and(|r| r.bumps.is_some() && r.texture == t)
+                };
+                let is_bumpy = self.scene.materials.iter().any(bumps);
                 let is_environment = self
                     .scene
                     .environment
@@ -109,7 +150,14 @@ impl<'s> Slots<'s> {
                     .is_some_and(|e| e.radiance == t);
                 if !is_environment {
                     let why = "without a bilinear filter its texels meet in edges, whose motion is not followed";
-                    out.push(self.to_uv(t, to_uv, (!bilinear).then_some(why)));
+                    let refusal = match (bilinear, is_bumpy) {
+                        (false, _) => Some(why),
+                        (true, true) => {
+                            Some("the slopes of bumps meet in edges, whose motion is not followed")
+                        }
+                        (true, false) => None,
+                    };
+                    out.push(self.to_uv(t, to_uv, refusal));
                 }
             }
         }
@@ -169,6 +217,30 @@ impl<'s> Slots<'s> {
             }
         }
         self.texture(light.power, out);
+        let mut fixed = |name: &str, number: f32, why| {
+            let mut entry = Entry::numbers(format!("{key}.{name}"), &[1], vec![f64::from(number)]);
+            entry.refusal = Some(why);
+            out.push(entry);
+        };
+        match light.beam.map(|b| b.profile) {
+            Some(BeamProfile::Spot {
+                beam_width_rad,
+                cutoff_rad,
+                texture,
+            }) => {
+                let why = "the derivative by the width of a beam is not implemented";
+                fixed("cutoff_angle", cutoff_rad.to_degrees(), why);
+                fixed("beam_width", beam_width_rad.to_degrees(), why);
+                if let Some(texture) = texture {
+                    self.texture(texture, out);
+                }
+            }
+            Some(BeamProfile::Projector { scale, .. }) => {
+                let why = "what it multiplies can be: ask for the irradiance";
+                fixed("scale", scale, why);
+            }
+            None => {}
+        }
     }
 
     /// Radiance, and what moves an environment map.

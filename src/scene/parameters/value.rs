@@ -3,6 +3,7 @@
 use super::entry::{Entry, Fixed};
 use super::target::Target;
 use super::to_uv::rows;
+use super::to_world::matrix_rows;
 use crate::scene::data::{DeltaLightKind, Scene, Texture};
 
 /// What a parameter is at present.
@@ -27,6 +28,10 @@ impl Value {
                 let all = scene.meshes[m].positions.iter().flat_map(|p| p.to_array());
                 range(all.map(f64::from))
             }
+            Some(Target::VertexNormals(m)) => normals(scene, m),
+            Some(Target::ShapeToWorld(body)) => {
+                Value::Numbers(matrix_rows(scene.meshes[body.first].to_world).to_vec())
+            }
             Some(Target::ShapeScale(_)) => Value::Numbers(vec![1.0]),
             Some(
                 Target::ShapeTranslation(_)
@@ -36,6 +41,14 @@ impl Value {
                 | Target::EnvironmentRotation
                 | Target::DeltaLightTranslation(_),
             ) => Value::Numbers(vec![0.0; 3]),
+            Some(Target::SensorToWorld(s)) => {
+                let matrix = glam::Mat4::from(scene.sensors[s].to_world).transpose();
+                Value::Numbers(matrix.to_cols_array().map(f64::from).to_vec())
+            }
+            Some(Target::SensorPrincipalPoint { sensor, axis }) => {
+                let offset = scene.sensors[sensor].principal_point_offset;
+                Value::Numbers(vec![f64::from(offset[axis])])
+            }
             Some(Target::SensorXFov(s)) => {
                 Value::Numbers(vec![f64::from(scene.sensors[s].x_fov_rad).to_degrees()])
             }
@@ -57,13 +70,15 @@ impl Value {
                     let all = scene.meshes[*m].uvs.iter().flat_map(|uv| uv.to_array());
                     range(all.map(f64::from))
                 }
-                Fixed::Normals(m) => {
-                    let all = scene.meshes[*m].normals.vertex().unwrap_or_default();
-                    range(all.iter().flat_map(|n| n.to_array()).map(f64::from))
-                }
+                Fixed::Normals(m) => normals(scene, *m),
             },
         }
     }
+}
+
+fn normals(scene: &Scene, m: usize) -> Value {
+    let all = scene.meshes[m].normals.vertex().unwrap_or_default();
+    range(all.iter().flat_map(|n| n.to_array()).map(f64::from))
 }
 
 /// What a parameter of a texture, a delta light or the environment is now.

@@ -1,5 +1,6 @@
 //! Textures from properties and texture elements, each once however many slots use it.
 
+mod attribute;
 mod bitmap;
 mod checkerboard;
 mod slots;
@@ -36,6 +37,31 @@ pub(super) const METAL_INDEX: Kind = Kind {
     channels: 3,
     limits: [0.0, 1e6],
 };
+/// Parts of a whole.
+pub(super) const FRACTION: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 1.0],
+};
+/// How much there is of a layer: 1 is what is meant to be the most.
+pub(super) const AMOUNT: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 100.0],
+};
+/// What stands for an index of refraction: 12.5 would be infinite.
+pub(super) const SPECULAR: Kind = Kind {
+    channels: 1,
+    limits: [0.0, 10.0],
+};
+/// Directions as colours.
+pub(super) const NORMALS: Kind = Kind {
+    channels: 3,
+    limits: [0.0, 1.0],
+};
+/// Heights.
+pub(super) const HEIGHT: Kind = Kind {
+    channels: 1,
+    limits: [f32::NEG_INFINITY, f32::INFINITY],
+};
 /// Roughness: Mitsuba raises what is smaller.
 pub(super) const ROUGHNESS: Kind = Kind {
     channels: 1,
@@ -47,12 +73,22 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
     limits: [0.01, 100.0],
 };
 
+/// Colours that wait for the vertices that have them.
+struct Attribute {
+    scale: f32,
+    place: Place,
+}
+
 /// Textures so far.
 #[derive(Default)]
 pub(super) struct Textures {
     pub list: Vec<Texture>,
+    /// Of what was taken as it is, though it should be otherwise.
+    pub remarks: Vec<String>,
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
+    /// Those that wait for the colours of a mesh's vertices.
+    waiting: HashMap<usize, Attribute>,
 }
 
 impl Textures {
@@ -73,6 +109,9 @@ impl Textures {
         place: &Place,
     ) -> Result<usize, SceneError> {
         if let Some(&known) = self.by_object.get(&index) {
+            let mut bright = self.list[known].clone();
+            bright.limits = kind.limits;
+            self.take_bright(&mut bright, place);
             let texture = &mut self.list[known];
             if texture.channels != kind.channels {
                 let what =
@@ -81,7 +120,7 @@ impl Textures {
             }
             texture.limits = [
                 texture.limits[0].max(kind.limits[0]),
-                texture.limits[1].min(kind.limits[1]),
+                texture.limits[1].min(bright.limits[1]),
             ];
             check(texture, place)?;
             return Ok(known);
@@ -89,6 +128,11 @@ impl Textures {
         let tree = input.tree;
         let object = &tree.objects[index];
         let key = input.scene_id(index).unwrap_or(key).to_string();
+        if object.plugin == "mesh_attribute" {
+            let texture = self.attribute(tree, object, key, kind, place)?;
+            self.by_object.insert(index, texture);
+            return Ok(texture);
+        }
         let mut texture = match object.plugin.as_str() {
             "checkerboard" => checkerboard::checkerboard(tree, object, key, kind.channels)?,
             _ => bitmap::bitmap(input, object, key, kind.channels)?,
@@ -97,10 +141,27 @@ impl Textures {
         if kind.channels == 1 {
             raise(&mut texture);
         }
+        self.take_bright(&mut texture, place);
         check(&texture, place)?;
         let texture = self.push(texture);
         self.by_object.insert(index, texture);
         Ok(texture)
+    }
+
+    /// Pictures of reflectances may exceed one, as Mitsuba lets them.
+    fn take_bright(&mut self, texture: &mut Texture, place: &Place) {
+        if !matches!(texture.layout, Layout::Bitmap { .. }) || texture.limits != REFLECTANCE.limits
+        {
+            return;
+        }
+        let all = texture.texels.iter().flatten().copied();
+        let brightest = all.fold(0.0, f32::max);
+        if brightest > texture.limits[1] && brightest.is_finite() {
+            texture.limits[1] = brightest;
+            self.remarks.push(format!(
+                "{place}: the picture has reflectances up to {brightest}: surfaces reflect more light than they get"
+            ));
+        }
     }
 
     /// A texture element of the scene that no slot uses: it is listed, and its errors are found.
@@ -133,6 +194,7 @@ fn check(texture: &Texture, place: &Place) -> Result<(), SceneError> {
         return Ok(());
     };
     let at = match texture.layout {
+        Layout::Vertices => format!("vertex {texel} has"),
         Layout::Bitmap { width, .. } => format!(
             "column {}, row {} of the picture is",
             texel % width as usize,

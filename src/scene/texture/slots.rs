@@ -1,6 +1,6 @@
 //! The slots of a material or light: a constant as a property, or a texture as a child.
 
-use super::{Kind, Textures, given_limits};
+use super::{Kind, METAL_INDEX, Textures, given_limits};
 use crate::scene::camera::cannot_stand_inside;
 use crate::scene::data::Texture;
 use crate::scene::error::SceneError;
@@ -26,6 +26,17 @@ impl<'a> Slots<'_, 'a> {
                 return Err(cannot_stand_inside(child, inner, self.object));
             }
             if !names.contains(&child.name.as_str()) {
+                return Err(self.no_such_slot(child, names));
+            }
+        }
+        Ok(())
+    }
+
+    /// The same beside bsdfs.
+    pub fn only_beside_bsdfs(&self, names: &[&str]) -> Result<(), SceneError> {
+        for child in &self.object.children {
+            let inner = &self.input.tree.objects[child.object];
+            if inner.tag != "bsdf" && !names.contains(&child.name.as_str()) {
                 return Err(self.no_such_slot(child, names));
             }
         }
@@ -81,6 +92,13 @@ impl<'a> Slots<'_, 'a> {
         let [low, high] = kind.limits;
         if kind.channels == 1 {
             value = value.map(|v| if v >= 0.0 { v.max(low) } else { v });
+        }
+        if kind.limits == METAL_INDEX.limits && name == "eta" && value.iter().any(|v| *v < 0.0) {
+            // Only its square counts for the reflectance.
+            let place = &self.object.place;
+            let remark = format!("{place}: \"eta\" is negative, {value:?}: its amount is taken");
+            self.textures.remarks.push(remark);
+            value = value.map(f32::abs);
         }
         if value.iter().all(|v| (low..=high).contains(v)) {
             return Ok(self.constant(name, value, kind));

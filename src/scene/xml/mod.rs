@@ -11,6 +11,7 @@ mod reader;
 mod references;
 mod substitution;
 mod transform;
+mod unsupported;
 mod values;
 
 pub(super) use properties::{Child, Object, Tree};

@@ -1,6 +1,7 @@
 //! Which plugins are known.
 
-use crate::scene::nearest::{nearest_hint, shown};
+use super::unsupported::instead_of;
+use crate::scene::nearest::{edit_distance, nearest_hint, shown};
 
 /// Elements that make an object, with the plugins that each tag supports.
 const KNOWN: &[(&str, &[&str])] = &[
@@ -24,7 +25,7 @@ const KNOWN: &[(&str, &[&str])] = &[
             "moment",
         ],
     ),
-    ("sensor", &["perspective"]),
+    ("sensor", &["perspective", "thinlens", "orthographic"]),
     ("film", &["hdrfilm"]),
     ("rfilter", &["box", "tent", "gaussian"]),
     (
@@ -48,6 +49,8 @@ const KNOWN: &[(&str, &[&str])] = &[
             "sphere",
             "disk",
             "cylinder",
+            "shapegroup",
+            "instance",
         ],
     ),
     (
@@ -62,13 +65,27 @@ const KNOWN: &[(&str, &[&str])] = &[
             "plastic",
             "roughplastic",
             "null",
+            "mask",
+            "thindielectric",
+            "principled",
+            "normalmap",
+            "bumpmap",
+            "blendbsdf",
         ],
     ),
     (
         "emitter",
-        &["area", "constant", "envmap", "point", "directional"],
+        &[
+            "area",
+            "constant",
+            "envmap",
+            "point",
+            "directional",
+            "spot",
+            "projector",
+        ],
     ),
-    ("texture", &["bitmap", "checkerboard"]),
+    ("texture", &["bitmap", "checkerboard", "mesh_attribute"]),
     ("medium", &[]),
     ("phase", &[]),
     ("volume", &[]),
@@ -103,6 +120,9 @@ pub(super) fn all_tags() -> impl Iterator<Item = &'static str> {
     KNOWN.iter().map(|k| k.0).chain(OTHER_TAGS.iter().copied())
 }
 
+/// Fewer changes than this make a name of another, where it was mistyped.
+const MOST_TYPING_ERRORS: usize = 2;
+
 /// Whether `<tag type="plugin">` can be loaded; the error is a sentence.
 pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let Some((_, supported)) = KNOWN.iter().find(|k| k.0 == tag) else {
@@ -113,16 +133,15 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     if supported.contains(&plugin) || any_prb {
         return Ok(());
     }
-    let hint = nearest_hint(plugin, supported.iter().copied());
-    let reason = match tag {
-        "medium" | "phase" | "volume" => " (volumes are out of scope)",
-        "spectrum" => {
-            " (spectra are <spectrum value=\"400:0.1, 700:0.5\"/>, <spectrum filename=\"…\"/> or <rgb>)"
-        }
-        _ => "",
+    let shown = format!("<{tag} type=\"{}\"> is not supported", shown(plugin));
+    if let Some(instead) = instead_of(tag, plugin) {
+        return Err(format!("{shown}: {instead}"));
+    }
+    // A typing error; another name says nothing of what is meant.
+    let is_near = |known: &&&str| edit_distance(plugin, known) <= MOST_TYPING_ERRORS;
+    let hint = match supported.iter().any(|known| is_near(&known)) || supported.len() < 2 {
+        true => nearest_hint(plugin, supported.iter().copied()),
+        false => format!("; there are {}", supported.join(", ")),
     };
-    Err(format!(
-        "<{tag} type=\"{}\"> is not supported{reason}{hint}",
-        shown(plugin)
-    ))
+    Err(format!("{shown}{hint}"))
 }

@@ -24,13 +24,36 @@ pub(in crate::scene) struct Tree {
     pub scene_folder: PathBuf,
 }
 
+impl Tree {
+    /// Whether an object, or something inside it, is not supported: only when parameters are listed.
+    pub fn lacks_support(&self, object: usize) -> bool {
+        let object = &self.objects[object];
+        let mut children = object.children.iter();
+        !object.is_supported || children.any(|c| self.lacks_support(c.object))
+    }
+
+    /// Takes out what is not supported, but bsdfs, whose places are known to the shapes.
+    pub fn prune(&mut self) {
+        let goes: Vec<bool> = self
+            .objects
+            .iter()
+            .map(|o| !o.is_supported && o.tag != "bsdf")
+            .collect();
+        for object in &mut self.objects {
+            object.children.retain(|c| !goes[c.object]);
+        }
+    }
+}
+
 /// An element that makes a plugin: `<shape type="ply" id="…">`.
 #[derive(Debug)]
 pub(in crate::scene) struct Object {
     /// `shape`, `bsdf`, …
     pub tag: &'static str,
-    /// `ply`, `diffuse`, …; already known to be supported.
+    /// `ply`, `diffuse`, …
     pub plugin: String,
+    /// Others are empty, and only there when a scene's parameters are listed.
+    pub is_supported: bool,
     pub id: Option<String>,
     pub place: Place,
     /// Folder of the file that the element is in.

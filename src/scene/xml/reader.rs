@@ -23,11 +23,15 @@ const MAX_PROPERTIES: usize = 256;
 const MAX_NODES: u32 = 4_000_000;
 
 /// Reads the scene file `path` and what it includes.
+///
+/// What is not supported is refused, all of it at once; but if the scene is `to_list` it goes, with
+/// warnings.
 pub(in crate::scene) fn read_tree(
     files: &dyn FileSource,
     path: &Path,
     defines: &[(String, String)],
     hash: &mut Fnv1a,
+    to_list: bool,
 ) -> Result<Tree, SceneError> {
     let mut reader = Reader {
         files,
@@ -41,11 +45,22 @@ pub(in crate::scene) fn read_tree(
         },
         ids: HashMap::new(),
         references: Vec::new(),
+        unsupported: Vec::new(),
         open_files: Vec::new(),
         includes: 0,
     };
     reader.read_file(path, None, 0)?;
+    let refused: Vec<String> = reader.unsupported.iter().map(Unsupported::shown).collect();
+    if to_list {
+        reader.tree.warnings.extend(refused);
+    } else {
+        let errors = reader.unsupported.iter();
+        SceneError::all(errors.map(Unsupported::error).collect())?;
+    }
     reader.resolve_references()?;
+    if to_list {
+        reader.tree.prune();
+    }
     if let Some(what) = reader.substitutions.unused_define() {
         return Err(SceneError::Define { what });
     }
@@ -61,9 +76,33 @@ pub(super) struct Reader<'a> {
     pub(super) ids: HashMap<String, usize>,
     /// `<ref>` elements, resolved once everything is read: a reference may come before its object.
     pub(super) references: Vec<Reference>,
+    unsupported: Vec<Unsupported>,
     /// The files being read, outermost first.
     open_files: Vec<PathBuf>,
     includes: usize,
+}
+
+/// Objects of a kind that is not supported.
+struct Unsupported {
+    /// Of the first.
+    place: Place,
+    what: String,
+    /// How many more there are.
+    more: usize,
+}
+
+impl Unsupported {
+    fn error(&self) -> SceneError {
+        let more = match self.more {
+            0 => String::new(),
+            more => format!(" (and {more} more of them)"),
+        };
+        SceneError::at(&self.place, format!("{}{more}", self.what))
+    }
+
+    fn shown(&self) -> String {
+        self.error().to_string()
+    }
 }
 
 pub(super) struct Reference {
@@ -283,7 +322,7 @@ impl Reader<'_> {
         // The root of an included file carries a version.
         let a = self.attributes(file, node, required, &["type", "id", "name", "version"])?;
         let plugin = a.get("type").unwrap_or_else(|| "scene".to_string());
-        plugins::check(tag, &plugin).map_err(|what| SceneError::at(&place, what))?;
+        let refusal = plugins::check(tag, &plugin).err();
         let index = self.tree.objects.len();
         let id = a.get("id").filter(|id| !id.is_empty());
         if let Some(id) = &id
@@ -306,13 +345,31 @@ impl Reader<'_> {
         self.tree.objects.push(Object {
             tag,
             plugin,
+            is_supported: refusal.is_none(),
             id,
-            place,
+            place: place.clone(),
             folder: file.folder.clone(),
             properties: Vec::new(),
             children: Vec::new(),
         });
-        self.children(file, node, index, depth)
+        match refusal {
+            None => self.children(file, node, index, depth),
+            Some(what) => {
+                self.refuse(place, what);
+                Ok(())
+            }
+        }
+    }
+
+    fn refuse(&mut self, place: Place, what: String) {
+        match self.unsupported.iter_mut().find(|u| u.what == what) {
+            Some(known) => known.more += 1,
+            None => self.unsupported.push(Unsupported {
+                place,
+                what,
+                more: 0,
+            }),
+        }
     }
 
     fn include(

@@ -1,17 +1,41 @@
 //! `<ref>` elements and named files, once everything is read.
 
-use super::properties::Tree;
-use super::reader::Reader;
+use super::properties::{Object, Tree};
+use super::reader::{Reader, Reference};
 use crate::scene::error::SceneError;
 use crate::scene::nearest::{nearest_hint, shown};
 use crate::scene::source::FileSource;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What a reference means that leads into something that was not read.
+fn unknown(reference: &Reference) -> Object {
+    Object {
+        tag: "bsdf",
+        plugin: "unknown".to_string(),
+        is_supported: false,
+        id: None,
+        place: reference.place.clone(),
+        folder: Arc::default(),
+        properties: Vec::new(),
+        children: Vec::new(),
+    }
+}
 
 impl Reader<'_> {
     /// Finds the object of every reference.
     pub(super) fn resolve_references(&mut self) -> Result<(), SceneError> {
+        // What it is may stand in something that was not read.
+        let is_partial = self.tree.objects.iter().any(|o| !o.is_supported);
         for reference in &self.references {
             let Some(&target) = self.ids.get(&reference.id) else {
+                if is_partial {
+                    self.tree.objects.push(unknown(reference));
+                    let object = self.tree.objects.len() - 1;
+                    let children = &mut self.tree.objects[reference.parent].children;
+                    children[reference.position].object = object;
+                    continue;
+                }
                 let what = format!(
                     "no object has the id \"{}\"{}",
                     shown(&reference.id),

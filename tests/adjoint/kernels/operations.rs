@@ -20,6 +20,10 @@ pub fn divisions<F: Real>(a: F, b: F) -> F {
     F::splat(PI / 4.0) / a + b / F::splat(-THIRD) + a / b + b / itself
 }
 
+pub fn logarithm<F: Real>(a: F) -> F {
+    (a * a).ln() * a
+}
+
 pub fn unary<F: Real>(a: F) -> (F, F, F, F) {
     let x = a - F::splat(0.8);
     (a.sqrt(), x.abs(), (-a).exp(), x.signum() * a)

@@ -81,7 +81,7 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     #[rustfmt::skip]
     let cases = vec![
         ("empty.png", vec![], "the file is empty"),
-        ("notes.txt", text("# a list\n"), "not a known format: EXR, PNG, JPEG, HDR and PFM are"),
+        ("notes.txt", text("# a list\n"), "not a known format: EXR, PNG, JPEG, HDR, PFM, BMP and TGA are"),
         ("none", text("x"), "not a known format"),
         ("photo.JPG", text("<html>not found</html>"), "its contents are not what its name says: neither .jpg nor another known format"),
         ("sky.exr", text("PK\x03\x04"), "its contents are not what its name says: neither .exr"),

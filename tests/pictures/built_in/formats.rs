@@ -169,3 +169,41 @@ fn contents_decide_and_not_the_name() {
         assert_eq!(auto(name, &bytes).pixels, [[1.0; 3]], "{name}");
     }
 }
+
+/// Two rows of three texels, coded by hand: bottom up, blue first.
+#[test]
+fn bmp_and_tga_are_srgb() {
+    let rows: [[[u8; 3]; 3]; 2] = [
+        [[1, 2, 3], [40, 50, 60], [255, 0, 128]],
+        [[7, 8, 9], [200, 100, 0], [11, 22, 33]],
+    ];
+    let turned = |[r, g, b]: [u8; 3]| [b, g, r];
+    let below_first = rows.iter().rev();
+    let mut bmp = b"BM".to_vec();
+    for number in [54 + 24u32, 0, 54, 40, 3, 2, 1 | 24 << 16, 0, 24, 0, 0, 0, 0] {
+        bmp.extend(number.to_le_bytes());
+    }
+    for row in below_first.clone() {
+        bmp.extend(row.map(turned).as_flattened());
+        // Rows end at multiples of four bytes.
+        bmp.extend([0; 3]);
+    }
+    let mut tga = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 2, 0, 24, 0];
+    for row in below_first {
+        tga.extend(row.map(turned).as_flattened());
+    }
+    for (name, bytes) in [("a.bmp", bmp), ("a.tga", tga)] {
+        let picture = auto(name, &bytes);
+        assert_eq!((picture.width, picture.height), (3, 2), "{name}");
+        let wanted = rows
+            .as_flattened()
+            .iter()
+            .map(|texel| texel.map(linear_byte));
+        assert_eq!(picture.pixels, wanted.collect::<Vec<_>>(), "{name}");
+        assert_eq!(warpath::picture::size_of(&bytes), Some([3, 2]), "{name}");
+        for length in [20, bytes.len() - 5] {
+            let cut = through_file(name, &bytes[..length], Colours::Auto);
+            assert!(cut.is_err(), "{name} of {length} bytes: {cut:?}");
+        }
+    }
+}

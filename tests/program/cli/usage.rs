@@ -12,8 +12,6 @@ fn wrong_usage_is_told() {
             ("", 2, "Usage"),
             ("paint s.xml", 2, "unrecognized subcommand 'paint'"),
             ("rendr s.xml", 2, "render"),
-            ("optimize c.toml", 2, "warpath optimize is not built yet"),
-            ("study c.toml", 2, "warpath study is not built yet"),
             ("bench --seconds 0", 2, "a number of seconds"),
             ("bench --triangles 20000,few", 2, "few"),
             ("bench --backend embree", 2, "--backend"),
@@ -104,11 +102,6 @@ fn wrong_usage_is_told() {
                 "forward s.xml --param floor.translation=1 --method auto",
                 2,
                 "auto is not built yet",
-            ),
-            (
-                "forward s.xml --param floor.translation=1 --method edges",
-                2,
-                "edges is not built yet",
             ),
             (
                 "forward s.xml --param floor.translation=1 --method warped-area",

@@ -27,7 +27,7 @@ fn bytes(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
-fn same(a: &Path, b: &Path) {
+pub fn same(a: &Path, b: &Path) {
     let (a, b) = (bytes(a), bytes(b));
     let names = |all: &BTreeMap<String, Vec<u8>>| all.keys().cloned().collect::<Vec<_>>();
     assert_eq!(names(&a), names(&b));

@@ -7,6 +7,7 @@ use common::swatch::{Swatch, bare, with_facets};
 use glam::DVec3;
 use warpath::lanes::LANES;
 use warpath::paths::rays::lane_of;
+use warpath::paths::store::DeltaSight;
 use warpath::scene::Distribution::{Beckmann, Ggx};
 use warpath::scene::{DeltaLight, DeltaLightKind, Scene, Texture};
 
@@ -21,6 +22,7 @@ fn beam(mut scene: Scene, w: DVec3) -> Scene {
             direction: -w.as_vec3(),
         },
         power: scene.textures.len(),
+        beam: None,
     });
     let power = Texture::constant("sun.irradiance".into(), [1.0; 3]);
     scene.textures.push(power);
@@ -45,7 +47,10 @@ fn compare(
             let swatch = Swatch::new(beam(scene.clone(), turned), inside);
             let view = swatch.view();
             let (vertices, surface) = swatch.seen(&view, &[i]);
-            let all = [(1 << LANES) - 1];
+            let all = [DeltaSight {
+                seen: (1 << LANES) - 1,
+                hidden: 0,
+            }];
             let brings = view.delta_light(&vertices, &surface, &all);
             let brings = lane_of(brings, 0).as_dvec3();
             let wanted = wanted(i, o);

@@ -5,4 +5,5 @@ mod beams;
 mod energy;
 mod extremes;
 mod formulas;
+mod layers;
 mod reciprocity;

@@ -72,6 +72,8 @@ fn masks(kind: Kind, distribution: Distribution, is_entering: bool) -> KindMasks
         is_smooth: false,
         is_ggx: distribution == Ggx,
         is_nonlinear: true,
+        is_principled: false,
+        is_thin: false,
         is_entering,
     }
 }
@@ -129,6 +131,7 @@ fn bounce(
             is_diffuse: lobe == Lobe::Diffuse,
             is_reflected: lobe == Lobe::Reflected,
             is_refracted: lobe == Lobe::Refracted,
+            is_coat: false,
         },
         masks(kind, distribution, is_entering),
     );

@@ -79,7 +79,6 @@ pub fn cases() -> Vec<Case> {
         mesh("ascii negative index", "m.ply", ply(&format!("{good}3 0 1 -2\n")), &["m.ply:13", "\"-2\""]),
         mesh("two corners", "m.ply", ply(&format!("{good}2 0 1\n")), &["m.ply", "face 0", "3 corners"]),
         mesh("ascii rest", "m.ply", ply(&format!("{good}3 0 1 2\n3 0 1 2\n")), &["m.ply:14", "more after"]),
-        mesh("no area at all", "m.ply", ply("0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n"), &["m.ply", "none of the mesh's 1 faces"]),
         mesh("empty obj", "m.obj", "", &["m.obj", "no faces"]),
         mesh("obj vertex", "m.obj", "v 0 0\n", &["m.obj:1", "three numbers"]),
         mesh("obj word", "m.obj", "# made by hand\nv 0 0 zero\n", &["m.obj:2", "\"zero\""]),

@@ -34,7 +34,7 @@ fn kind(error: &SceneError) -> Option<Kind> {
         SceneError::Mesh { .. } => Some(Kind::Mesh),
         SceneError::Missing { .. } => Some(Kind::Missing),
         SceneError::Define { .. } => Some(Kind::Define),
-        SceneError::Parameter { .. } | SceneError::Io { .. } => None,
+        SceneError::Parameter { .. } | SceneError::Several { .. } | SceneError::Io { .. } => None,
     }
 }
 
@@ -136,4 +136,60 @@ fn broken_scenes_and_meshes_are_refused_with_their_place() {
         cases.len(),
         failures.join("\n")
     );
+}
+
+const SEVERAL: &str = "<scene version=\"3.0.0\">
+<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/></sensor>
+<shape type=\"cube\" id=\"good\"/>
+<shape type=\"sphere\"><float name=\"radius\" value=\"-1\"/></shape>
+<shape type=\"ply\"><string name=\"filename\" value=\"none.ply\"/></shape>
+</scene>";
+
+const UNSUPPORTED: &str = "<scene version=\"3.0.0\">
+<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/></sensor>
+<shape type=\"sdfgrid\"/>
+<shape type=\"cube\" id=\"furry\"><bsdf type=\"hair\"/><medium type=\"homogeneous\" name=\"interior\"/></shape>
+<shape type=\"cube\"><bsdf type=\"hair\"><ref id=\"inside\"/></bsdf></shape>
+<shape type=\"cube\" id=\"red\"><bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"0.3\"/></bsdf></shape>
+</scene>";
+
+#[test]
+fn all_that_is_wrong_is_said_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.xml");
+    let message = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        load(&path, &[]).expect_err("it is wrong").to_string()
+    };
+    let several = message(SEVERAL);
+    assert_eq!(several.lines().count(), 2, "{several}");
+    assert!(several.contains("s.xml:4:22") && several.contains("s.xml:5:19"));
+    let unsupported = message(UNSUPPORTED);
+    assert_eq!(unsupported.lines().count(), 3, "{unsupported}");
+    for part in [
+        "s.xml:3:1",
+        "extract its surface",
+        "s.xml:4:32",
+        "fibres",
+        "(and 1 more of them)",
+        "out of scope",
+    ] {
+        assert!(unsupported.contains(part), "no \"{part}\" in {unsupported}");
+    }
+}
+
+#[test]
+fn what_is_not_supported_does_not_matter_for_listing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.xml");
+    std::fs::write(&path, SEVERAL).unwrap();
+    assert!(warpath::scene::load_to_list(&path, &[]).is_err());
+    std::fs::write(&path, UNSUPPORTED).unwrap();
+    let scene = warpath::scene::load_to_list(&path, &[]).expect("what there is");
+    assert_eq!(scene.warnings.len(), 4, "{:?}", scene.warnings);
+    let keys = warpath::scene::parameters::list(&scene);
+    for key in ["furry.translation", "red.bsdf.reflectance.value"] {
+        assert!(keys.iter().any(|p| p.key == key), "no {key} in {keys:?}");
+    }
+    assert!(!keys.iter().any(|p| p.key.starts_with("furry.bsdf")));
 }

@@ -83,10 +83,12 @@ fn conductors_have_mitsubas_metals() {
     );
     let Bsdf::Conductor {
         eta,
-        microfacets: Some(Microfacets {
-            distribution,
-            alpha,
-        }),
+        microfacets:
+            Some(Microfacets {
+                distribution,
+                alpha,
+                ..
+            }),
         ..
     } = metal
     else {
@@ -111,13 +113,22 @@ fn conductors_have_mitsubas_metals() {
 fn roughness_is_at_least_mitsubas() {
     let alpha = |inside: &str| {
         let (scene, metal) = bsdf("roughconductor", inside);
-        let rough = metal.slots().into_iter().find(|s| s.0 == "alpha");
+        let rough = metal.slots().into_iter().find(|s| s.0.starts_with("alpha"));
         scene.constant(rough.expect("a rough metal").1)[0]
     };
     assert_eq!(alpha("<float name=\"alpha\" value=\"0\"/>"), 1e-4);
     assert_eq!(alpha("<spectrum name=\"alpha\" value=\"0.3\"/>"), 0.3);
     let both = "<float name=\"alpha_u\" value=\"0.25\"/><float name=\"alpha_v\" value=\"0.25\"/>";
     assert_eq!(alpha(both), 0.25);
+    let (scene, metal) = bsdf(
+        "roughconductor",
+        &both.replace("_v\" value=\"0.25", "_v\" value=\"0"),
+    );
+    let across = metal.slots().into_iter().find(|s| s.0 == "alpha_v");
+    assert_eq!(
+        scene.constant(across.expect("a brushed metal").1),
+        [1e-4; 3]
+    );
 }
 
 #[test]
@@ -191,4 +202,75 @@ fn one_bsdf_may_have_one_side_here_and_two_there() {
     let [one, two] = [0, 1].map(|m: usize| &scene.materials[scene.meshes[m].material]);
     assert!(!one.two_sided && two.two_sided);
     assert_eq!(one.bsdf, two.bsdf);
+}
+
+/// Keys are those of Mitsuba 3.9.1 (its `mi.traverse`).
+#[test]
+fn mixtures_and_layers_have_mitsubas_keys() {
+    let scene = scene(
+        "<bsdf type=\"mask\" id=\"leaf\"><float name=\"opacity\" value=\"0.25\"/>\
+           <bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></bsdf>\
+         <bsdf type=\"blendbsdf\" id=\"mix\"><float name=\"weight\" value=\"0.75\"/>\
+           <bsdf type=\"diffuse\"/><bsdf type=\"roughconductor\"/></bsdf>\
+         <bsdf type=\"principled\" id=\"paint\"><float name=\"eta\" value=\"1.4\"/>\
+           <float name=\"anisotropic\" value=\"0.5\"/></bsdf>\
+         <bsdf type=\"normalmap\" id=\"relief\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>\
+           <bsdf type=\"plastic\"/></bsdf>\
+         <shape type=\"cube\" id=\"box\"><ref id=\"leaf\"/></shape>",
+    );
+    let find = |key: &str| warpath::scene::parameters::find(&scene, key).map(|p| p.key);
+    for key in [
+        "leaf.opacity.value",
+        "leaf.nested_bsdf.brdf_0.reflectance.value",
+        "mix.weight.value",
+        "mix.bsdf_0.reflectance.value",
+        "mix.bsdf_1.eta.value",
+        "paint.base_color.value",
+        "paint.eta",
+        "paint.clearcoat_gloss.value",
+        "relief.normalmap.value",
+        "relief.nested_bsdf.diffuse_reflectance.value",
+    ] {
+        assert_eq!(find(key).expect("a parameter"), key);
+    }
+    let alias = find("box.bsdf.nested_bsdf.reflectance.value").expect("an alias");
+    assert_eq!(alias, "leaf.nested_bsdf.brdf_0.reflectance.value");
+    let refused = find("paint.spec_trans.value").expect_err("it lets no light through");
+    assert!(
+        refused.to_string().contains("lets no light through"),
+        "{refused}"
+    );
+    let leaf = scene.meshes[0].material;
+    assert!(scene.passes_straight_on(leaf));
+    assert_eq!(scene.parts_of(leaf).len(), 2);
+}
+
+/// Colours are as the file has them, and bytes are no fractions, as in Mitsuba.
+#[test]
+fn vertices_bring_colours() {
+    let ply = |colour: &str, kind: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property {kind} red\nproperty {kind} green\nproperty {kind} blue\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 {colour}\n1 0 0 {colour}\n0 1 0 {colour}\n3 0 1 2\n"
+        )
+    };
+    let shape = |id: &str, scale: &str| {
+        format!(
+            "<shape type=\"ply\" id=\"{id}\"><string name=\"filename\" value=\"a.ply\"/><bsdf type=\"diffuse\">\
+             <texture type=\"mesh_attribute\" name=\"reflectance\"><string name=\"name\" value=\"vertex_color\"/>\
+             <float name=\"scale\" value=\"{scale}\"/></texture></bsdf></shape>{SENSOR}"
+        )
+    };
+    let files = Memory::new().with("s/a.ply", ply("51 102 255", "uchar").as_str());
+    let scene = with_files(&shape("kite", "0.00390625"), files, &[]);
+    let texture = &scene.textures[scene.materials[0].bsdf.textures()[0]];
+    assert_eq!(texture.layout, Layout::Vertices);
+    assert_eq!(
+        texture.texels,
+        [[51.0 / 256.0, 102.0 / 256.0, 255.0 / 256.0]; 3]
+    );
+    assert_eq!(texture.key, "kite.vertex_color");
+    let found = warpath::scene::parameters::find(&scene, "kite.bsdf.reflectance");
+    assert_eq!(found.expect("colours").shape, [3, 3]);
 }

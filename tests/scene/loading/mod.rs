@@ -6,6 +6,7 @@ mod materials;
 mod meshes;
 mod sources;
 mod textures;
+mod tolerance;
 
 use glam::Vec3;
 use warpath::scene::source::Memory;

@@ -3,7 +3,7 @@
 //! lanes of a packet have lines.
 
 use crate::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
-use crate::boundary::cells::lobe::vertex::{FAMILIES, LobeSearch};
+use crate::boundary::cells::lobe::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::shadows::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::Boundary;
@@ -79,7 +79,8 @@ fn shadows(search: &mut LobeSearch, lane: usize, line: &Line, is_open: &[bool], 
     for edge in edges {
         let boundary = Boundary::Edge(edge.end.edge);
         let jump = radiance * (edge.jump * FAMILIES);
-        search.push(&mut at, line, boundary, line.direction(edge.at), jump);
+        let border = Border::seen(boundary);
+        search.push(&mut at, line, border, line.direction(edge.at), jump);
     }
 }
 

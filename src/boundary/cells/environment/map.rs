@@ -180,6 +180,7 @@ impl<'a> MapLines<'a> {
         }
         out.samples.push(BoundarySample {
             boundary,
+            shadow: None,
             lane: lane as u8,
             at: Coordinate::Environment(d.to_array()),
             weight: brings.as_vec3().to_array(),

@@ -230,8 +230,9 @@ impl Cell for FilmCell<'_> {
     fn beside(&self, crossing: &Crossing) -> f64 {
         let view = self.cells.scene.view;
         let origin = view.camera.origin.as_dvec3();
-        let [angle, _] = probe_angle(view.geometry, crossing, origin);
-        let angle_per_pixel = self.angle_per_pixel(self.direction(crossing.s));
+        let direction = self.direction(crossing.s);
+        let [angle, _] = probe_angle(view.geometry, crossing, origin, direction);
+        let angle_per_pixel = self.angle_per_pixel(direction);
         let most = if crossing.kind == Kind::ThinSilhouette {
             MOST_PROBE * self.cells.film.tile.step[self.line.axis]
         } else {

@@ -106,5 +106,5 @@ fn sees_many(scene: &SearchScene, triangles: &[u32; LANES]) -> bool {
 fn is_special(scene: &SearchScene, triangle: u32) -> bool {
     let view = scene.view;
     let mesh = view.geometry.mesh_of_triangle[triangle as usize] as usize;
-    view.materials.of_mesh(view.scene, mesh).kinds.special() != 0
+    view.materials.is_special(view.scene.meshes[mesh].material)
 }

@@ -13,6 +13,7 @@
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
+use super::shadows;
 use super::weights::{self, ROUNDS};
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -64,6 +65,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         let in_crowd = crowds.contain(met.cell.position(met.s), counts);
         out.samples.extend(sample(&cells, &met, in_crowd));
     }
+    shadows::find(&cells, out);
 }
 
 /// Searches the cells of a tile, and says which were left out.
@@ -162,6 +164,7 @@ fn sample(cells: &LatticeCells, met: &Jump<FilmCell>, in_crowd: bool) -> Option<
     let weight = met.jump * (velocity * tile.step[1 - axis]);
     Some(BoundarySample {
         boundary,
+        shadow: None,
         lane: 0,
         at: Coordinate::Film(at),
         weight: weight.as_vec3().to_array(),

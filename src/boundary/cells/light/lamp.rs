@@ -241,6 +241,7 @@ impl<'a> LampLine<'a> {
         }
         Some(BoundarySample {
             boundary,
+            shadow: None,
             lane: lane as u8,
             at: Coordinate::Light { patch, at: place },
             weight: brings.as_vec3().to_array(),

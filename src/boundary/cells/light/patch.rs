@@ -232,6 +232,7 @@ impl LightLine<'_> {
         };
         BoundarySample {
             boundary,
+            shadow: None,
             lane: self.lane as u8,
             at: Coordinate::Light {
                 patch: self.patch,

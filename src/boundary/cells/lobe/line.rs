@@ -17,15 +17,15 @@
 use super::families::Family;
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::shadows::chance_of_any;
-use crate::discontinuity::boundary::{dvec3, vector};
-use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
-use crate::kernels::frame::direction_from_local;
+use crate::kernels::bsdf::{Interface, RoughTransmission};
+use crate::kernels::layered::Layers;
 use crate::lanes::Lane;
 use crate::paths::at::At;
 use crate::paths::moving::Sector;
 use crate::paths::rays::lane_of;
 use crate::paths::store::Vertices;
 use crate::paths::surface::interface::interface_of_lane;
+use crate::paths::surface::layers::layers_of_lane;
 use crate::paths::surface::lobe_sample::{View, frame_of_lane};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
@@ -96,13 +96,17 @@ impl Lobe {
 
 /// What a lane's surface is, in f64.
 pub struct LaneSurface<'a> {
-    at: &'a At<'a>,
-    lane: usize,
+    pub(super) at: &'a At<'a>,
+    pub(super) lane: usize,
     pub lobe: Lobe,
     pub n: DVec3,
-    direction: DVec3,
-    interface: Option<Interface<f64>>,
-    transmission: Option<RoughTransmission<f64>>,
+    /// The same before a picture turned it.
+    pub(super) base_n: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) interface: Option<Interface<f64>>,
+    /// Given if the lane has layers or a grain.
+    pub(super) layers: Option<Layers<f64>>,
+    pub(super) transmission: Option<RoughTransmission<f64>>,
 }
 
 impl<'a> LaneSurface<'a> {
@@ -115,11 +119,18 @@ impl<'a> LaneSurface<'a> {
             lane,
             lobe,
             n: lane_of(surface.n, lane).as_dvec3(),
+            base_n: lane_of(surface.base_n, lane).as_dvec3(),
             direction: lane_of(vertices.direction, lane).as_dvec3(),
             interface: surface
                 .interface
                 .as_ref()
                 .map(|s| interface_of_lane(s, lane)),
+            layers: match &surface.layers {
+                Some(l) if vertices.kinds.layered() >> lane & 1 == 1 => {
+                    Some(layers_of_lane(l, lane))
+                }
+                _ => None,
+            },
             transmission: None,
         }
     }
@@ -138,34 +149,6 @@ impl<'a> LaneSurface<'a> {
         } = *self.at;
         let all = view.transmission(vertices, surface.n, Lane::splat(cos_out as f32));
         self.transmission = Some(all.map(|x| f64::from(x.to_array()[self.lane])));
-    }
-
-    /// The next direction at a coordinate, and the weight per unit of the coordinate's measure.
-    fn bounce(&self, local: DVec3) -> (DVec3, DVec3) {
-        let local = vector(local);
-        let Some(interface) = self.interface else {
-            let n = vector(self.n);
-            let next = dvec3(direction_from_local(n, local));
-            return (
-                next,
-                lane_of(self.at.vertices.diffuse_reflectance, self.lane).as_dvec3(),
-            );
-        };
-        let lobes = LobeMasks {
-            is_diffuse: self.lobe == Lobe::Diffuse,
-            is_reflected: self.lobe == Lobe::Reflected,
-            is_refracted: self.lobe == Lobe::Refracted,
-        };
-        let (next, weight) = bsdf_sample(
-            vector(self.n),
-            vector(self.direction),
-            local,
-            interface,
-            self.transmission.unwrap_or(RoughTransmission::none()),
-            lobes,
-            self.at.vertices.kinds.masks_of_lane(self.lane),
-        );
-        (dvec3(next), dvec3(weight))
     }
 
     /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times
@@ -211,6 +194,17 @@ impl<'a> LaneSurface<'a> {
         } else {
             eta
         }
+    }
+
+    /// Where a smooth surface would send light, and by about how much the lobe strays from there.
+    pub fn main_direction(&self) -> (DVec3, f64) {
+        let main = self.bounce(DVec3::Z).0.normalize();
+        let alpha = View::of_lane(self.at.vertices, self.at.surface, self.lane).alpha;
+        let tilted = [DVec3::X, DVec3::Y].map(|tangent| {
+            let local = (DVec3::Z + tangent * alpha).normalize();
+            self.bounce(local).0.angle_between(main)
+        });
+        (main, tilted[0].max(tilted[1]).clamp(NARROWEST, 1.0))
     }
 
     /// +1 if the lobe leaves on the side of the normal, −1 if beyond the surface.
@@ -284,7 +278,8 @@ impl Line {
         ];
         let poles = [poles[0], poles[1].normalize()];
         let tilted = |tangent: DVec3| {
-            let h = (at.n + tangent * view.alpha).normalize();
+            let alpha = view.alpha_along(at.at.vertices, at.lane, tangent);
+            let h = (at.n + tangent * alpha).normalize();
             let local = DVec3::from(frame.map(|axis| axis.dot(h)));
             let angle = at.bounce(local).0.angle_between(main);
             angle.clamp(NARROWEST, 1.0)

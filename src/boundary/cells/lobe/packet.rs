@@ -67,7 +67,7 @@ fn among_surfaces(search: &mut LobeSearch) {
     for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
         match Lobe::of_lane(vertices, lane) {
             None => {}
-            Some(lobe) if is_narrow(search, lobe, lane) => narrow |= 1 << lane,
+            Some(_) if is_narrow(search, lane) => narrow |= 1 << lane,
             // What light samples find at the last vertex has lines of its own, on the lights.
             Some(_) if search.at_last && !has_constant_environment => {}
             Some(_) => others |= 1 << lane,
@@ -93,8 +93,8 @@ fn among_surfaces(search: &mut LobeSearch) {
 }
 
 /// Whether light samples are of no use to a lobe.
-fn is_narrow(search: &LobeSearch, lobe: Lobe, lane: usize) -> bool {
-    lobe != Lobe::Diffuse && search.at.vertices.kinds.wide >> lane & 1 == 0
+fn is_narrow(search: &LobeSearch, lane: usize) -> bool {
+    search.at.vertices.shares_lights() >> lane & 1 == 0
 }
 
 /// Whether these lanes' bounces end on different meshes.
@@ -120,7 +120,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     let Some(lobe) = Lobe::of_lane(here.vertices, lane) else {
         return;
     };
-    let is_narrow = is_narrow(search, lobe, lane);
+    let is_narrow = is_narrow(search, lane);
     let (index, depth) = (here.numbers.index[lane], here.numbers.depth);
     let number = |user, of| here.numbers.stream.single(user, [index, depth, of]) as f64;
     let choice = |cell| number(Single::LobeEdge, cell);
@@ -136,7 +136,8 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         Line::lobe(&at, family, number(Single::LobePlace, 0), jitter)
     };
     let Some(line) = line else { return };
-    if !search.moves(lane, &line, &at) {
+    let sees_silhouettes = search.moves(lane, &line, &at);
+    if !sees_silhouettes && !search.has_sharp_shadows() {
         return;
     }
     // All that looks along a line shares its random numbers: what is seen on the inner sides of a
@@ -145,6 +146,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
         lane,
         weight,
         is_narrow,
+        sees_silhouettes,
         index,
         stream: &here.numbers.stream.branch(Branch::LobeProbe, [depth, 0, 0]),
     };
@@ -171,5 +173,7 @@ fn line_of_lane(search: &mut LobeSearch, lane: usize, weight: f64) {
     for part in &parts {
         search::on_part(search, &mut at, &way, part);
     }
-    search::on_own_plane(search, &mut at, &way, [&before, &beyond], psi);
+    if sees_silhouettes {
+        search::on_own_plane(search, &mut at, &way, [&before, &beyond], psi);
+    }
 }

@@ -2,7 +2,8 @@
 //! sides.
 
 use super::line::{LaneSurface, Line};
-use super::vertex::{FAMILIES, LobeSearch};
+use super::shadows;
+use super::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::cells::line_search::{Cell, LineSearch};
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, probe_angle};
@@ -27,6 +28,8 @@ pub struct Way<'a> {
     pub lane: usize,
     pub weight: f64,
     pub is_narrow: bool,
+    /// Whether something that moves may be seen on it.
+    pub sees_silhouettes: bool,
     /// Of what probes see: their sample index, and the stream.
     pub index: u32,
     pub stream: &'a Stream,
@@ -42,13 +45,27 @@ pub struct LinePart<'a> {
 
 /// Finds what jumps on a part of a line.
 pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &LinePart) {
-    let (scene, here, line) = (search.scene, search.at, part.line);
-    let point = SurfacePoint::of_lane(here, way.lane);
+    let line = part.line;
+    let point = SurfacePoint::of_lane(search.at, way.lane);
     let cells = cells(search, &point, way, line);
-    let from_here = FromHere {
-        line,
-        point: &point,
-    };
+    if way.sees_silhouettes {
+        silhouettes(search, at, (way, &point), part, &cells);
+    }
+    if search.has_sharp_shadows() {
+        shadows::find(search, at, (way, &point), line, &cells);
+    }
+}
+
+/// Finds what ends or bends in the cells of a part of a line.
+fn silhouettes(
+    search: &mut LobeSearch,
+    at: &mut LaneSurface,
+    (way, point): (&Way, &SurfacePoint),
+    part: &LinePart,
+    cells: &[LobeCell],
+) {
+    let (scene, here, line) = (search.scene, search.at, part.line);
+    let from_here = FromHere { line, point };
     let mut on_line = LineSearch::new(scene, &mut search.out.counts);
     let mut found = Vec::new();
     for (i, cell) in cells.iter().enumerate() {
@@ -56,7 +73,7 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
     }
     for _ in 0..ROUNDS {
         found = on_line.probe(&found, |_, directions, sides, counts| {
-            look(scene, here, &point, way, (directions, sides), counts)
+            look(scene, here, point, way, (directions, sides), counts)
         });
         if found.is_empty() {
             break;
@@ -76,7 +93,8 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
             intervals.inclusion_of_ridge(psi)
         };
         let jump = met.jump * (FAMILIES * way.weight / chance);
-        search.push(at, line, met.boundary, line.direction(psi), jump);
+        let border = Border::seen(met.boundary);
+        search.push(at, line, border, line.direction(psi), jump);
     }
 }
 
@@ -107,8 +125,8 @@ pub fn on_own_plane(
     let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
     let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
     if jump != DVec3::ZERO {
-        let boundary = Boundary::Edge(point.plane_edge(scene.view));
-        search.push(at, before, boundary, before.direction(psi), jump);
+        let border = Border::seen(Boundary::Edge(point.plane_edge(scene.view)));
+        search.push(at, before, border, before.direction(psi), jump);
     }
 }
 
@@ -174,7 +192,7 @@ fn cells<'a, 'b: 'a>(
 
 /// The interval between two points of a line over a lobe, or a part of it.
 #[derive(Clone, Copy)]
-struct LobeCell<'a> {
+pub struct LobeCell<'a> {
     scene: &'a SearchScene<'a>,
     line: &'a Line,
     point: &'a SurfacePoint,
@@ -227,7 +245,9 @@ impl Cell for LobeCell<'_> {
 
     fn beside(&self, crossing: &Crossing) -> f64 {
         let arc = &self.arc;
-        let [angle, most] = probe_angle(self.scene.view.geometry, crossing, arc.origin);
+        let direction = arc.direction(crossing.s);
+        let geometry = self.scene.view.geometry;
+        let [angle, most] = probe_angle(geometry, crossing, arc.origin, direction);
         (angle / arc.a.angle_between(arc.b)).min(most)
     }
 

@@ -7,11 +7,12 @@
 //! cells.
 
 use super::line::{LaneSurface, Line};
+use crate::boundary::cells::delta::receiver;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
 use crate::paths::estimator::Bounce;
 use crate::paths::rays::lane_of;
 use glam::DVec3;
@@ -32,7 +33,30 @@ pub struct LobeSearch<'a> {
     pub out: &'a mut Found,
 }
 
+/// What jumps in a direction: a boundary that is seen there, or that of a shadow on what is seen.
+#[derive(Clone, Copy)]
+pub struct Border {
+    pub boundary: Boundary,
+    pub shadow: Option<Shadow>,
+}
+
+impl Border {
+    /// One that is seen.
+    pub fn seen(boundary: Boundary) -> Self {
+        Self {
+            boundary,
+            shadow: None,
+        }
+    }
+}
+
 impl LobeSearch<'_> {
+    /// Whether what a line sees may lie in a delta light's shadow that moves.
+    pub fn has_sharp_shadows(&self) -> bool {
+        let lights = &self.scene.view.scene.delta_lights;
+        !self.at_last && !lights.is_empty() && self.scene.moving.anything()
+    }
+
     /// Whether something may be found on a line that moves as seen by its lane.
     pub fn moves(&self, lane: usize, line: &Line, at: &LaneSurface) -> bool {
         let x = lane_of(self.at.surface.x, lane).as_dvec3();
@@ -45,7 +69,7 @@ impl LobeSearch<'_> {
         &mut self,
         at: &mut LaneSurface,
         line: &Line,
-        boundary: Boundary,
+        Border { boundary, shadow }: Border,
         direction: DVec3,
         jump: DVec3,
     ) {
@@ -53,12 +77,20 @@ impl LobeSearch<'_> {
         let geometry = self.scene.view.geometry;
         let x = vertices.position(geometry, lane);
         // The borders of what lines mostly miss cancel, if they move alike.
-        let boundary = if self.scene.is_small(&boundary, x) {
-            line.family.of_point(boundary, geometry, x, direction)
-        } else {
-            boundary
+        let (boundary, c) = match &shadow {
+            Some(shadow) => (
+                boundary,
+                receiver::normal(self.scene, &boundary, shadow, x, direction),
+            ),
+            None => {
+                let boundary = if self.scene.is_small(&boundary, x) {
+                    line.family.of_point(boundary, geometry, x, direction)
+                } else {
+                    boundary
+                };
+                (boundary, boundary.normal(geometry, x))
+            }
         };
-        let c = boundary.normal(geometry, x);
         let (Some((local, value)), Some(weight)) = (
             at.value(direction),
             line.family.weight(&boundary, c, direction),
@@ -76,6 +108,7 @@ impl LobeSearch<'_> {
         }
         self.out.samples.push(BoundarySample {
             boundary,
+            shadow,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: radiance.as_vec3().to_array(),

@@ -49,8 +49,27 @@ fn flat(d: &mut SceneDifferential, scene: &Scene) -> Vec<f64> {
     out.extend(camera.translation.to_array().map(f64::from));
     out.extend(camera.rotation.to_array().map(f64::from));
     out.push(f64::from(camera.x_fov_deg));
+    for axis in camera.axes {
+        out.extend(axis.to_array().map(f64::from));
+    }
+    out.extend(camera.principal_point_offset.to_array().map(f64::from));
     out.extend(environment.rotation.to_array().map(f64::from));
     out
+}
+
+/// Counts what of a change of a camera's axes is a rotation as one.
+fn split_axes(d: &mut SceneDifferential, scene: &Scene, sensor: usize) {
+    let Some(camera) = &mut d.camera else {
+        return;
+    };
+    let m = scene.sensors[sensor].to_world.matrix3;
+    let axes = [m.x_axis, m.y_axis, m.z_axis].map(glam::Vec3::from);
+    let halves = (0..3).map(|i| axes[i].cross(camera.axes[i]) * 0.5);
+    let turn: glam::Vec3 = halves.sum();
+    camera.rotation += turn;
+    for (change, axis) in camera.axes.iter_mut().zip(axes) {
+        *change -= turn.cross(axis);
+    }
 }
 
 /// (plus − minus) / (2·step), in the order of [`flat`].
@@ -119,10 +138,30 @@ fn difference(plus: &Scene, minus: &Scene, base: &Scene, sensor: usize, step: f6
     }));
     let fov = |s: &Scene| f64::from(s.sensors[sensor].x_fov_rad).to_degrees();
     out.push((fov(plus) - fov(minus)) / (2.0 * step));
+    let turn = glam::DVec3::from_slice(&out[out.len() - 4..out.len() - 1]);
+    out.extend(rest_of_camera(plus, minus, base, sensor, step, turn));
     out.extend(spin(&|s| {
         let map = s.environment.as_ref().and_then(|e| e.map);
         map.map_or(glam::DMat3::IDENTITY, |m| m.to_world.as_dmat3())
     }));
+    out
+}
+
+/// The differences of a camera's axes that are no rotation, and of its principal point.
+fn rest_of_camera(
+    plus: &Scene,
+    minus: &Scene,
+    base: &Scene,
+    sensor: usize,
+    step: f64,
+    turn: glam::DVec3,
+) -> Vec<f64> {
+    let matrix = |s: &Scene| glam::Mat3::from(s.sensors[sensor].to_world.matrix3).as_dmat3();
+    let moved = (matrix(plus) - matrix(minus)) * (0.5 / step);
+    let rest = |i: usize| moved.col(i) - turn.cross(matrix(base).col(i));
+    let mut out: Vec<f64> = (0..3).flat_map(|i| rest(i).to_array()).collect();
+    let offset = |s: &Scene| s.sensors[sensor].principal_point_offset.as_dvec2();
+    out.extend(((offset(plus) - offset(minus)) * (0.5 / step)).to_array());
     out
 }
 
@@ -137,6 +176,7 @@ fn tangents_are_what_finite_differences_tend_to() {
         let mut tangent = tangent(&scene, &[(&parameter.key, &values)], sensor).unwrap();
         let moved = |step| displace(&scene, &[(parameter.clone(), &values)], step).unwrap();
         let differences = difference(&moved(step), &moved(-step), &scene, sensor, step);
+        split_axes(&mut tangent, &scene, sensor);
         let tangents = flat(&mut tangent, &scene);
         assert_eq!(tangents.len(), differences.len());
         assert!(
@@ -246,5 +286,7 @@ fn fill(cotangent: &mut SceneDifferential, random: &mut Random) {
         camera.translation = glam::Vec3::from_slice(&random.values(3));
         camera.rotation = glam::Vec3::from_slice(&random.values(3));
         camera.x_fov_deg = random.next();
+        camera.axes = [0; 3].map(|_| glam::Vec3::from_slice(&random.values(3)));
+        camera.principal_point_offset = glam::Vec2::from_slice(&random.values(2));
     }
 }

@@ -51,6 +51,16 @@ fn keys_are_mitsubas() {
         "cam.x_fov",
         "cam.film.size",
         "PerspectiveCamera.translation",
+        "cam.to_world",
+        "cam.principal_point_offset_x",
+        "given.to_world",
+        "twin.translation",
+        "twin.to_world",
+        "twin.inner.vertex_positions",
+        "twin.Cube.rotation",
+        "torch.position",
+        "torch.intensity.value",
+        "torch.cutoff_angle",
     ] {
         assert!(keys.iter().any(|k| k == key), "{key} is not in {keys:#?}");
     }
@@ -60,6 +70,12 @@ fn keys_are_mitsubas() {
     assert_eq!(unique.len(), keys.len());
     let alias = find(&scene, "given.bsdf.brdf_0.reflectance.value").unwrap();
     assert_eq!(alias.key, "paint.brdf_0.reflectance.value");
+    for (alias, key) in [
+        ("given.normals", "given.vertex_normals"),
+        ("given.positions", "given.vertex_positions"),
+    ] {
+        assert_eq!(find(&scene, alias).unwrap().key, key);
+    }
     let shape = find(&scene, "given.positions").unwrap().shape;
     assert_eq!(shape, [4, 3]);
 }
@@ -80,6 +96,8 @@ fn wrong_keys_and_values_are_refused() {
     assert!(message("board.to_uv", vec![0.0; 6]).contains("edges"));
     assert!(message("frost.bsdf.alpha.to_uv", vec![0.0; 6]).contains("bilinear"));
     assert!(message("sun.direction", vec![0.0; 3]).contains("cannot be differentiated"));
+    assert!(message("computed.vertex_normals", vec![0.0; 3]).contains("follow"));
+    assert!(message("torch.beam_width", vec![0.0]).contains("not implemented"));
     assert!(message("env.to_uv", vec![0.0; 6]).contains("no parameter"));
     assert!(message("env.data", vec![0.0; 4]).contains("3×4×3"));
     assert!(message("PerspectiveCamera.x_fov", vec![1.0]).contains("--sensor 1"));

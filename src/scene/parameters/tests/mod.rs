@@ -40,6 +40,11 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <ref id="board" name="diffuse_reflectance"/></bsdf></bsdf></shape>
   <shape type="cube" id="pane"><bsdf type="dielectric"/></shape>
   <shape type="cube" id="frost"><bsdf type="roughdielectric"/></shape>
+  <shape type="shapegroup" id="pair"><shape type="ply" id="inner"><string name="filename" value="given.ply"/></shape>
+    <shape type="cube"><transform name="to_world"><translate x="2"/></transform></shape></shape>
+  <shape type="instance" id="twin"><ref id="pair"/>
+    <transform name="to_world"><scale x="1.5" y="0.8"/><rotate z="1" angle="30"/><translate y="1"/></transform></shape>
+  <emitter type="spot" id="torch"><transform name="to_world"><translate x="2"/></transform></emitter>
 </scene>"#;
 
 /// The loaded scene, with pictures put into it: a bitmap in place of the reflectance of `computed`,

@@ -74,4 +74,33 @@ fn setting_is_what_moving_there_gives() {
     assert!(set("cam.x_fov", &[180.0]).is_err());
     assert!(set("given.scale", &[0.0]).is_err());
     assert!(set("paint.reflectance.value", &[1.5, 0.0, 0.0]).is_err());
+    // A matrix in place of another takes the same points elsewhere.
+    let rows = [
+        2.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, 1.0,
+    ];
+    let placed = set("computed.to_world", &rows).unwrap();
+    let pairs = base.meshes[1]
+        .positions
+        .iter()
+        .zip(&placed.meshes[1].positions);
+    for (before, after) in pairs {
+        let expected = glam::Vec3::new(2.0 * before.x + 1.0, before.y, before.z - 1.0);
+        assert!((expected - *after).length() < 1e-6);
+    }
+    let mut mirrored = rows;
+    mirrored[0] = -2.0;
+    assert!(set("computed.to_world", &mirrored).is_err());
+    // An instance's shapes move as one, about the middle of all of them.
+    let twin = base.instances[0].body;
+    let turned = set("twin.rotation", &[0.0, 0.0, 0.5]).unwrap();
+    let distance = |scene: &Scene| {
+        let [a, b] = [twin.first, twin.first + 1].map(|m| scene.meshes[m].positions[0]);
+        (a - b).length()
+    };
+    assert!((distance(&base) - distance(&turned)).abs() < 1e-5);
+    assert!(base.meshes[twin.first].positions != turned.meshes[twin.first].positions);
+    // One number is a grey colour.
+    let grey = set("sun.irradiance.value", &[0.5]).unwrap();
+    let t = base.delta_lights[1].power;
+    assert_eq!(grey.textures[t].texels, [[0.5; 3]]);
 }

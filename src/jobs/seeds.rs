@@ -1,4 +1,4 @@
-//! Seeds of the runs of a check.
+//! Seeds of the runs of a check or a study.
 
 /// Parts the seeds of the runs; finite differences with the random numbers under test would share
 /// their noise.

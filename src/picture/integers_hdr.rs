@@ -1,4 +1,4 @@
-//! PNG, JPEG and Radiance HDR, by the `image` crate.
+//! PNG, JPEG, BMP, TGA and Radiance HDR, by the `image` crate.
 //!
 //! As Mitsuba does, colour profiles, gamma chunks, orientation tags and exposure lines are left
 //! alone.
@@ -7,7 +7,9 @@ use super::error::Fault;
 use super::size::texels;
 use super::{Colours, Encoding, Picture, jpeg_end, srgb_to_linear};
 use crate::room;
-use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
+use image::codecs::{
+    bmp::BmpDecoder, hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder, tga::TgaDecoder,
+};
 use image::{ImageDecoder, ImageError, Limits};
 use std::error::Error;
 use std::io::{self, Cursor};
@@ -30,6 +32,18 @@ pub(super) fn jpeg(bytes: &[u8], colours: Colours) -> Result<Picture, Fault> {
     let decoder = JpegDecoder::new(Cursor::new(bytes));
     let decoder = decoder.map_err(|error| unreadable("JPEG", &error))?;
     Samples::read("JPEG", decoder, bytes.len())?.integers(colours)
+}
+
+pub(super) fn bmp(bytes: &[u8], colours: Colours) -> Result<Picture, Fault> {
+    let decoder = BmpDecoder::new(Cursor::new(bytes));
+    let decoder = decoder.map_err(|error| unreadable("BMP", &error))?;
+    Samples::read("BMP", decoder, bytes.len())?.integers(colours)
+}
+
+pub(super) fn tga(bytes: &[u8], colours: Colours) -> Result<Picture, Fault> {
+    let decoder = TgaDecoder::new(Cursor::new(bytes));
+    let decoder = decoder.map_err(|error| unreadable("TGA", &error))?;
+    Samples::read("TGA", decoder, bytes.len())?.integers(colours)
 }
 
 pub(super) fn hdr(bytes: &[u8]) -> Result<Picture, Fault> {

@@ -1,0 +1,209 @@
+//! From a receiver in a delta light's shadow along a line of rays to where that shadow ends.
+
+use super::receiver::{Receiver, Source};
+use crate::boundary::occlusion::{MAX_OCCLUDERS, NEAREST};
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::arc::Arc;
+use crate::discontinuity::between::{HALVINGS, between};
+use crate::discontinuity::crossing::Reservoir;
+use crate::discontinuity::facets::{Facet, facets};
+use crate::discontinuity::walk::{Walk, parameter, walk_among};
+use crate::paths::counts::Counts;
+use crate::trace::geometry::NO_TRIANGLE;
+use glam::DVec3;
+
+/// The largest step beyond a silhouette, as a part of a facet.
+const MOST_STEP: f64 = 0.1;
+
+/// The rays between two that see known triangles.
+pub struct Rays<F> {
+    pub arc: Arc,
+    pub seen: [u32; 2],
+    /// What is seen at a parameter of the arc.
+    pub first_hit: F,
+}
+
+/// Where a shadow ends.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowEnd {
+    pub edge: [u32; 2],
+    /// The triangle it falls on.
+    pub receiver: u32,
+    /// Parameter of the arc.
+    pub s: f64,
+}
+
+/// What following a shadow came to; numbers are parameters of the arc.
+#[derive(Clone, Copy, Debug)]
+pub enum Followed {
+    /// What throws it ends.
+    Shadow(ShadowEnd),
+    /// The surface that it falls on ends, or turns away from the light.
+    Surface(f64),
+    /// It goes on.
+    AllHidden,
+    /// It ends, and it is not known why.
+    Lost(f64),
+}
+
+impl Followed {
+    /// Where that is.
+    pub fn end(&self) -> Option<f64> {
+        match *self {
+            Followed::Shadow(ShadowEnd { s, .. }) | Followed::Surface(s) | Followed::Lost(s) => {
+                Some(s)
+            }
+            Followed::AllHidden => None,
+        }
+    }
+}
+
+/// Follows the shadow in which lies what the first ray sees, along the rays up to parameter
+/// `limit`.
+pub fn follow<F: Fn(f64) -> u32>(
+    scene: &SearchScene,
+    light: usize,
+    rays: &Rays<F>,
+    limit: f64,
+    counts: &mut Counts,
+) -> Followed {
+    let end = surface_end(scene, rays, counts).min(limit);
+    let Rays { arc, seen, .. } = rays;
+    let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
+    let [triangle, other] = *seen;
+    let passed = if triangle == other {
+        vec![Facet {
+            triangle,
+            to: end,
+            corner: 0,
+        }]
+    } else {
+        facets(geometry, adjacency, arc, triangle, end)
+    };
+    let mut from = 0.0;
+    for Facet { triangle, to, .. } in passed {
+        if to <= from {
+            continue;
+        }
+        let receiver = Receiver::new(scene, light, triangle);
+        match over_facet(scene, &receiver, arc, [from, to], counts) {
+            Followed::AllHidden => from = to,
+            ends => return ends,
+        }
+    }
+    if from < limit {
+        Followed::Surface(from)
+    } else {
+        Followed::AllHidden
+    }
+}
+
+/// Up to which parameter the surface is seen that the first ray meets.
+pub fn surface_end<F: Fn(f64) -> u32>(
+    scene: &SearchScene,
+    rays: &Rays<F>,
+    counts: &mut Counts,
+) -> f64 {
+    let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
+    let [a, mut b] = rays.seen;
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..HALVINGS {
+        let arc = Arc {
+            b: rays.arc.direction(high),
+            ..rays.arc
+        };
+        match between(geometry, adjacency, &arc, [a, b], None, 0.0) {
+            Ok([None, _]) if high == 1.0 => return 1.0,
+            Ok([None, _]) => low = high,
+            // A part of the shorter arc, whose directions are of other lengths at their ends.
+            Ok([Some(crossing), _]) => return high * crossing.s,
+            Err(_) => {}
+        }
+        // Something stands before what is seen at both ends, or beyond `low`.
+        let middle = if low == high {
+            0.5 * (low + 1.0)
+        } else {
+            0.5 * (low + high)
+        };
+        counts.probe += 1;
+        b = (rays.first_hit)(middle);
+        high = middle;
+    }
+    low
+}
+
+/// Follows a shadow over one triangle, at whose beginning it hides the light.
+fn over_facet(
+    scene: &SearchScene,
+    receiver: &Receiver,
+    arc: &Arc,
+    [from, to]: [f64; 2],
+    counts: &mut Counts,
+) -> Followed {
+    let [x_from, x_to] = [from, to].map(|s| receiver.point(arc.origin, arc.direction(s)));
+    if !receiver.is_lit(x_from, arc.direction(from)) {
+        return Followed::Surface(from);
+    }
+    let point = |at: f64| x_from.lerp(x_to, at);
+    let on_arc = |at: f64| parameter_of(arc, point(at));
+    let (lift, source) = (receiver.lift(x_from), receiver.source(x_from));
+    let mut at = 0.0;
+    counts.probe += 1;
+    let mut occluder = receiver.occluder(x_from);
+    if occluder == NO_TRIANGLE {
+        return if from == 0.0 {
+            Followed::Lost(from)
+        } else {
+            Followed::Surface(from)
+        };
+    }
+    for _ in 0..MAX_OCCLUDERS {
+        let [a, b] = [point(at), x_to].map(|x| source.position(x + lift));
+        let way = Arc {
+            origin: DVec3::ZERO,
+            a,
+            b,
+        };
+        let fold = match walk_over(scene, &source, &way, occluder) {
+            Walk::Fold(fold) => fold,
+            Walk::Continues => return Followed::AllHidden,
+            Walk::Reached | Walk::Lost => return Followed::Lost(on_arc(at)),
+        };
+        let crossing = at + fold.s.max(0.0) * (1.0 - at);
+        at = crossing + step(point(crossing), x_from.distance(x_to));
+        if at >= 1.0 {
+            return Followed::AllHidden;
+        }
+        counts.probe += 1;
+        occluder = receiver.occluder(point(at));
+        if occluder == NO_TRIANGLE {
+            return Followed::Shadow(ShadowEnd {
+                edge: fold.edge,
+                receiver: receiver.triangle,
+                s: on_arc(crossing),
+            });
+        }
+    }
+    Followed::Lost(on_arc(at))
+}
+
+/// Walks over what throws a shadow, as rays from a delta light see it.
+fn walk_over(scene: &SearchScene, source: &Source, way: &Arc, occluder: u32) -> Walk {
+    let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
+    let position = |v: u32| source.position(geometry.positions[v as usize].as_dvec3());
+    let ends = [occluder, NO_TRIANGLE];
+    let none = &mut Reservoir::closed();
+    walk_among(position, geometry, adjacency, way, ends, 1.0, none)
+}
+
+/// How far beyond a silhouette single precision tells that the light is seen, in parts of `length`.
+pub fn step(x: DVec3, length: f64) -> f64 {
+    let room = 1.0 + x.abs().max_element();
+    (NEAREST * room / length).min(MOST_STEP)
+}
+
+/// The parameter at which an arc passes a point.
+fn parameter_of(arc: &Arc, x: DVec3) -> f64 {
+    let (normal, v) = (arc.a.cross(arc.b), x - arc.origin);
+    parameter(normal.dot(arc.a.cross(v)), normal.dot(v.cross(arc.b)))
+}

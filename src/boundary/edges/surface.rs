@@ -1,0 +1,74 @@
+//! Edges as the vertices of a packet see them: one is drawn in each lane, and those before which
+//! nothing stands are kept.
+
+use super::Edges;
+use super::directions::Directions;
+use super::point::EdgePoint;
+use crate::boundary::occlusion::SurfacePoint;
+use crate::lanes::LANES;
+use crate::paths::at::At;
+use crate::paths::counts::Counts;
+use crate::paths::dimensions::Single;
+use crate::paths::rays::{RayPacket, from_lanes};
+use glam::Vec3;
+
+/// A point in each lane that sees one.
+pub type EdgePoints = [Option<EdgePoint>; LANES];
+
+impl Edges<'_> {
+    /// Draws an edge in each lane in which `directions` gives what matters, in lanes of `moves` from
+    /// all edges, in others from those that move. Numbers are those of `user`.
+    pub(super) fn draw(
+        &self,
+        at: &At,
+        user: Single,
+        moves: u32,
+        directions: impl Fn(usize) -> Option<Directions>,
+        counts: &mut Counts,
+    ) -> EdgePoints {
+        let view = at.view;
+        let numbers = &at.numbers;
+        let mut points: EdgePoints = std::array::from_fn(|lane| {
+            let directions = directions(lane)?;
+            let set = self.set(view, moves >> lane & 1 == 1)?;
+            let number = |of| {
+                let name = [numbers.index[lane], numbers.depth, of];
+                f64::from(numbers.stream.single(user, name))
+            };
+            let point = SurfacePoint::of_lane(at, lane);
+            EdgePoint::draw(set, view.geometry, &directions, &point, [0, 1].map(number))
+        });
+        let mut ends = [Vec3::ZERO; LANES];
+        let mut active = 0;
+        for (lane, found) in points.iter().enumerate() {
+            if let Some(found) = found {
+                let point = SurfacePoint::of_lane(at, lane);
+                let start = point.leave(found.way).as_dvec3();
+                ends[lane] = found.end(start).as_vec3();
+                active |= 1 << lane;
+            }
+        }
+        let surface = at.surface;
+        let rays = RayPacket::toward(surface.x, surface.geometric, from_lanes(&ends), active);
+        let seen = view.unoccluded(&rays, &mut counts.probe);
+        for (lane, point) in points.iter_mut().enumerate() {
+            if seen >> lane & 1 == 0 {
+                *point = None;
+            }
+        }
+        points
+    }
+}
+
+/// Which lanes have one, and the directions beside it on one side in each.
+pub fn beside(points: &EdgePoints, side: impl Fn(&EdgePoint) -> f64) -> (u32, [Vec3; LANES]) {
+    let mut active = 0;
+    let directions = std::array::from_fn(|lane| match &points[lane] {
+        Some(point) => {
+            active |= 1 << lane;
+            point.beside(side(point)).as_vec3()
+        }
+        None => Vec3::Z,
+    });
+    (active, directions)
+}

@@ -1,0 +1,102 @@
+//! `warpath study`: methods beside each other on many scenes.
+
+use super::arguments::StudyArguments;
+use super::exit::Failure;
+use super::log::Log;
+use super::progress::StageProgress;
+use super::session;
+use super::signals::Signals;
+use crate::jobs::id::REPORT;
+use crate::jobs::machine;
+use crate::output::atomic;
+use crate::study::run::{Options, Watch};
+use crate::study::{bounds, config, peers, report, run};
+use serde_json::json;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// Measures, writes everything, and says whether the bounds hold.
+pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure> {
+    let started = Instant::now();
+    arguments
+        .backend
+        .require()
+        .map_err(|why| Failure::Usage(why.into()))?;
+    let log = Log::new(&arguments.talk);
+    let mut plan = config::read(&arguments.config, &arguments.set)?;
+    plan.keep(&arguments.only)?;
+    let others = plan.peers.as_ref().map(peers::read).transpose()?;
+    let bounds = arguments.assert.as_deref().map(bounds::read).transpose()?;
+    let options = options(arguments);
+    let signals = Signals::watch(log);
+    let progress = StageProgress::start("study", log, &signals, 0.0);
+    let watch = Watch {
+        progress: &progress,
+        note: &|text| progress.beside(|| log.note(text)),
+    };
+    let rows = run::run(&plan, &options, &watch);
+    progress.finish();
+    let rows = rows.map_err(|failure| match (failure, signals.received()) {
+        (Failure::Interrupted(_), Some(signal)) => Failure::Interrupted(signal),
+        (failure, _) => failure,
+    })?;
+    let directory = &options.directory;
+    let mut files = report::write(directory, &plan, &rows, &others.unwrap_or_default())?;
+    if let Some(path) = &arguments.report {
+        put(path, &report::table::markdown(&plan, &rows))?;
+    }
+    files.push(REPORT.into());
+    let report = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "command": "study",
+        "arguments": typed.iter().skip(1).map(|a| a.to_string_lossy()).collect::<Vec<_>>(),
+        "backend": options.backend.to_string(),
+        "threads": options.threads,
+        "seconds": {"total": started.elapsed().as_secs_f64()},
+        "peak_memory_bytes": machine::peak(),
+        "files": files,
+    });
+    put(&directory.join(REPORT), &format!("{report:#}\n"))?;
+    let seconds = started.elapsed().as_secs_f64();
+    log.note(&format!(
+        "{}: study.html and {} more ({seconds:.0} s)",
+        directory.display(),
+        files.len() - 1
+    ));
+    if arguments.talk.json {
+        let mut stdout = std::io::stdout().lock();
+        stdout.write_all(report::values::json(&plan, &rows)?.as_bytes())?;
+        stdout.flush()?;
+    }
+    match bounds
+        .map(|bounds| bounds::broken(&bounds, &rows))
+        .transpose()?
+    {
+        Some(broken) if !broken.is_empty() => Err(Failure::Disagreement(broken.join("\n"))),
+        _ => Ok(()),
+    }
+}
+
+fn options(arguments: &StudyArguments) -> Options {
+    let stem = arguments
+        .config
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let usual = || Path::new("out").join(format!("study-{stem}"));
+    let directory = arguments.output.clone().unwrap_or_else(usual);
+    let references = arguments.references.clone();
+    Options {
+        references: references.unwrap_or_else(|| directory.join("references")),
+        directory,
+        resume: arguments.resume,
+        threads: session::threads(arguments.threads),
+        backend: arguments.backend,
+    }
+}
+
+fn put(path: &Path, text: &str) -> Result<(), Failure> {
+    Ok(atomic::write(path, |file| file.write_all(text.as_bytes()))?)
+}

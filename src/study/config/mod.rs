@@ -1,0 +1,212 @@
+//! `CONFIG.toml` of a study: which scenes, directions, methods and sample counts.
+
+mod scene;
+
+pub use scene::{DirectionPlan, ScenePlan};
+
+use crate::jobs::config::document;
+use crate::jobs::config::table::Table;
+use crate::jobs::failure::Failure;
+use crate::jobs::resolution::resolution;
+use crate::jobs::settings::MOST_SAMPLES;
+use crate::methods::{ESTIMATORS, Method};
+use crate::output::FileError;
+use crate::scene::nearest::nearest_hint;
+use std::path::{Path, PathBuf};
+
+/// Runs of one cell; more are a typing error.
+const MOST_RUNS: u64 = 4096;
+
+/// What a study is asked to do.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub title: String,
+    /// A sentence or two for the page and the table.
+    pub about: String,
+    pub seed: u64,
+    pub reference: ReferencePlan,
+    pub peers: Option<PeersPlan>,
+    pub scenes: Vec<ScenePlan>,
+}
+
+/// What is measured of each direction; scenes may have it otherwise than the rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effort {
+    pub methods: Vec<Method>,
+    pub spp: Vec<u32>,
+    pub repeats: usize,
+    /// Width and height in pixels; the film's if not said.
+    pub resolution: Option<[u32; 2]>,
+    /// Segments; the scene's if not said.
+    pub max_depth: Option<u32>,
+}
+
+/// The finite differences that all are compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferencePlan {
+    /// Samples a pixel of one image of a run.
+    pub spp: u32,
+    /// Independent runs at each step.
+    pub runs: usize,
+    /// Steps in parts of the usual one, the widest first, each half of the one before.
+    pub steps: Vec<f64>,
+}
+
+/// What other programs took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeersPlan {
+    pub file: PathBuf,
+    /// What the charts say of it, as "Mitsuba 3.9.1, on another machine".
+    pub label: String,
+}
+
+impl Plan {
+    /// Leaves out all scenes but these, if any are named.
+    pub fn keep(&mut self, names: &[String]) -> Result<(), Failure> {
+        for name in names {
+            let known = || self.scenes.iter().map(|scene| scene.name.as_str());
+            if !known().any(|known| known == name) {
+                let hint = nearest_hint(name, known());
+                return Err(Failure::Usage(format!(
+                    "--only {name}: there is no such scene{hint}"
+                )));
+            }
+        }
+        let is_kept = |scene: &ScenePlan| names.is_empty() || names.contains(&scene.name);
+        self.scenes.retain(is_kept);
+        Ok(())
+    }
+}
+
+/// Reads the file, puts the overrides (`repeats=8`) into it and checks it.
+pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
+    let bytes = crate::files::read(file).map_err(|error| FileError::unread(file, &error))?;
+    let name = file.display().to_string();
+    let text = String::from_utf8(bytes)
+        .map_err(|_| Failure::Input(format!("{name}: not TOML: it is no text in UTF-8")))?;
+    let mut root = document::parse(&text, &name)?;
+    for typed in overrides {
+        document::set(&mut root, typed)?;
+    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let table = Table::root(&root)?;
+    let usual = Effort {
+        methods: ESTIMATORS.iter().map(|row| row.method).collect(),
+        spp: vec![16, 64, 256],
+        repeats: 16,
+        resolution: None,
+        max_depth: None,
+    };
+    let usual = effort(&table, usual)?;
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let plan = Plan {
+        title: table.text("title")?.unwrap_or(stem.into()),
+        about: table.text("about")?.unwrap_or_default(),
+        seed: table.count("seed", 0, u64::MAX >> 1)?.unwrap_or(0),
+        reference: reference(&table)?,
+        peers: peers(&table, folder)?,
+        scenes: scene::all(&table, folder, &usual)?,
+    };
+    table.finish()?;
+    Ok(plan)
+}
+
+/// What a table says of the effort, in place of what is usual.
+fn effort(table: &Table, usual: Effort) -> Result<Effort, Failure> {
+    let size = |text: String| resolution(&text).map_err(|what| table.error("resolution", what));
+    Ok(Effort {
+        methods: methods(table)?.unwrap_or(usual.methods),
+        spp: sample_counts(table)?.unwrap_or(usual.spp),
+        // The scatter of one run is unknown.
+        repeats: runs(table, "repeats")?.unwrap_or(usual.repeats),
+        resolution: match table.text("resolution")? {
+            Some(text) => Some(size(text)?),
+            None => usual.resolution,
+        },
+        max_depth: match table.count("max_depth", 1, u64::from(u32::MAX))? {
+            Some(depth) => Some(depth as u32),
+            None => usual.max_depth,
+        },
+    })
+}
+
+fn runs(table: &Table, key: &str) -> Result<Option<usize>, Failure> {
+    Ok(table.count(key, 2, MOST_RUNS)?.map(|runs| runs as usize))
+}
+
+fn methods(table: &Table) -> Result<Option<Vec<Method>>, Failure> {
+    let Some(names) = table.texts("methods")? else {
+        return Ok(None);
+    };
+    let known = ESTIMATORS.each_ref().map(|row| row.name);
+    let mut methods: Vec<Method> = Vec::new();
+    for name in names {
+        let method = table.one_of("methods", &name, &known)?;
+        let Some(method) = Method::named(method).filter(|m| !methods.contains(m)) else {
+            return Err(table.error("methods", format!("{name} is there twice")));
+        };
+        methods.push(method);
+    }
+    match methods.is_empty() {
+        true => Err(table.error("methods", "none is named")),
+        false => Ok(Some(methods)),
+    }
+}
+
+fn sample_counts(table: &Table) -> Result<Option<Vec<u32>>, Failure> {
+    let Some(numbers) = table.numbers("spp")? else {
+        return Ok(None);
+    };
+    let mut counts = Vec::new();
+    for number in numbers {
+        if number.fract() != 0.0 || !(2.0..=f64::from(MOST_SAMPLES)).contains(&number) {
+            let what = format!("write whole numbers from 2 to {MOST_SAMPLES}, not {number}");
+            return Err(table.error("spp", what));
+        }
+        counts.push(number as u32);
+    }
+    if counts.is_empty() || !counts.is_sorted_by(|a, b| a < b) {
+        return Err(table.error("spp", "write ascending numbers, as in [16, 64, 256]"));
+    }
+    Ok(Some(counts))
+}
+
+fn reference(table: &Table) -> Result<ReferencePlan, Failure> {
+    let mut plan = ReferencePlan {
+        spp: 1024,
+        runs: 16,
+        steps: vec![1.0, 0.5],
+    };
+    let Some(inner) = table.table("reference")? else {
+        return Ok(plan);
+    };
+    if let Some(spp) = inner.count("spp", 2, u64::from(MOST_SAMPLES))? {
+        plan.spp = spp as u32;
+    }
+    if let Some(runs) = runs(&inner, "runs")? {
+        plan.runs = runs;
+    }
+    // One step agrees with nothing; below a thousandth of a pixel is rounding.
+    let count = inner.count("steps", 2, 6)?.unwrap_or(2);
+    let widest = inner.number_if("widest_step", 1.0, "a number from 0.05 to 20", |x| {
+        (0.05..=20.0).contains(&x)
+    })?;
+    plan.steps = (0..count).map(|i| widest * 0.5f64.powi(i as i32)).collect();
+    inner.finish()?;
+    Ok(plan)
+}
+
+fn peers(table: &Table, folder: &Path) -> Result<Option<PeersPlan>, Failure> {
+    let Some(inner) = table.table("peers")? else {
+        return Ok(None);
+    };
+    let missing = |key, as_in: &str| inner.error(key, format!("it is missing; write {as_in}"));
+    let file = inner.text("file")?;
+    let label = inner.text("label")?;
+    let plan = PeersPlan {
+        file: folder.join(file.ok_or_else(|| missing("file", "file = \"peers.json\""))?),
+        label: label.ok_or_else(|| missing("label", "label = \"NAME, on another machine\""))?,
+    };
+    inner.finish()?;
+    Ok(Some(plan))
+}

@@ -1,0 +1,220 @@
+//! The repeats of all cells of a direction, each alone on the machine and the methods in turns.
+
+use super::cell::{Cell, Times};
+use super::figures;
+use super::reference::Reference;
+use super::task::Task;
+use super::verdict::Verdict;
+use crate::jobs::failure::Failure;
+use crate::jobs::machine;
+use crate::jobs::seeds::nth_seed;
+use crate::methods::{self, EngineError, ForwardGradient, Image, Method, Progress, Settings};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What a method other than finite differences takes, in camera paths of an image, about.
+const GRADIENT_IMAGES: u64 = 3;
+
+/// One run of a cell.
+pub struct Run {
+    pub gradient: Vec<f32>,
+    pub stderr: Vec<f32>,
+    pub rejected: BTreeMap<&'static str, u64>,
+    pub rays: u64,
+    /// Numbers that were infinite or none at all; zeros stand in their place.
+    pub not_finite: u64,
+    seconds: f64,
+    processor_seconds: f64,
+    memory_bytes: Option<u64>,
+}
+
+impl Run {
+    /// In double precision.
+    pub fn values(&self) -> Vec<f64> {
+        self.gradient.iter().map(|x| f64::from(*x)).collect()
+    }
+}
+
+/// A cell while it is measured.
+struct Trial {
+    method: Method,
+    spp: u32,
+    runs: Vec<Run>,
+    /// The sentence of a method that refuses.
+    refused: Option<String>,
+}
+
+/// The cells of a direction, and a gradient picture of each that has one: that of the first repeat.
+pub struct Measured {
+    pub cells: Vec<Cell>,
+    pub pictures: Vec<Option<Image>>,
+}
+
+/// Camera paths that a direction takes, about.
+pub fn paths(task: &Task) -> u64 {
+    let effort = &task.plan.effort;
+    let methods = effort.methods.iter();
+    let images: u64 = methods.map(|method| images(*method)).sum();
+    let samples = effort.spp.iter().map(|spp| task.paths(*spp));
+    samples.sum::<u64>() * images * effort.repeats as u64
+}
+
+fn images(method: Method) -> u64 {
+    match method.displaces_scenes() {
+        true => methods::DIFFERENCE_IMAGES as u64,
+        false => GRADIENT_IMAGES,
+    }
+}
+
+/// Measures all cells. `done` counts camera paths.
+pub fn measure(
+    task: &Task,
+    reference: &Reference,
+    progress: &dyn Progress,
+    done: &mut dyn FnMut(u64),
+) -> Result<Measured, Failure> {
+    let effort = &task.plan.effort;
+    let mut trials: Vec<Trial> = Vec::new();
+    for spp in &effort.spp {
+        trials.extend(effort.methods.iter().map(|method| Trial {
+            method: *method,
+            spp: *spp,
+            runs: Vec::new(),
+            refused: None,
+        }));
+    }
+    for repeat in 0..effort.repeats {
+        for trial in &mut trials {
+            if trial.refused.is_none() {
+                trial.run(task, repeat, progress)?;
+            }
+            done(task.paths(trial.spp) * images(trial.method));
+        }
+    }
+    let pictures = trials.iter().map(|trial| trial.picture(task.size));
+    let pictures = pictures.collect();
+    let mut cells: Vec<Cell> = trials.iter().map(|t| t.cell(task, reference)).collect();
+    compare_with_differences(&mut cells);
+    Ok(Measured { cells, pictures })
+}
+
+impl Trial {
+    fn run(&mut self, task: &Task, repeat: usize, progress: &dyn Progress) -> Result<(), Failure> {
+        let settings = Settings {
+            method: self.method,
+            spp: self.spp,
+            seed: nth_seed(task.settings.seed, repeat),
+            ..task.settings.clone()
+        };
+        machine::forget_peak();
+        let (wall, processor) = (Instant::now(), machine::fine_processor_seconds());
+        let made = methods::forward(task.scene, &settings, &task.direction, progress);
+        let seconds = wall.elapsed().as_secs_f64();
+        let processor_seconds = machine::fine_processor_seconds() - processor;
+        match made {
+            Ok(made) => {
+                let mut run = Run::of(made)?;
+                (run.seconds, run.processor_seconds) = (seconds, processor_seconds);
+                run.memory_bytes = machine::peak();
+                self.runs.push(run);
+            }
+            Err(EngineError::Refused(sentence)) => self.refused = Some(sentence),
+            Err(other) => return Err(Failure::from_engine(other, None)),
+        }
+        Ok(())
+    }
+
+    fn picture(&self, [width, height]: [usize; 2]) -> Option<Image> {
+        let first = self.runs.first().filter(|_| self.refused.is_none())?;
+        Some(Image {
+            width,
+            height,
+            pixels: first.gradient.as_chunks::<3>().0.to_vec(),
+        })
+    }
+
+    fn cell(&self, task: &Task, reference: &Reference) -> Cell {
+        let repeats = task.plan.effort.repeats;
+        let cell = |verdict, figures, times| Cell {
+            method: self.method.name().into(),
+            spp: self.spp,
+            repeats,
+            verdict,
+            figures,
+            times,
+        };
+        if let Some(sentence) = &self.refused {
+            return cell(Verdict::refused(sentence), None, None);
+        }
+        let groups = methods::group_count(self.spp);
+        let figures = figures::of(&self.runs, reference, task.paths(self.spp), groups);
+        let processor_seconds = median(self.runs.iter().map(|run| run.processor_seconds));
+        let efficiency = 1.0 / (figures.rmse.powi(2) * processor_seconds);
+        let times = Times {
+            seconds: median(self.runs.iter().map(|run| run.seconds)),
+            processor_seconds,
+            memory_bytes: self.runs.iter().filter_map(|run| run.memory_bytes).max(),
+            efficiency: efficiency.is_finite().then_some(efficiency),
+            relative_efficiency: None,
+            relative_noise: None,
+        };
+        let verdict = Verdict::of(&figures, repeats, reference);
+        cell(verdict, Some(figures), Some(times))
+    }
+}
+
+impl Run {
+    fn of(made: ForwardGradient) -> Result<Self, Failure> {
+        let none = || Failure::System("a run gave no standard errors".into());
+        let mut gradient = made.gradient.pixels.into_flattened();
+        let mut stderr = made.stderr.ok_or_else(none)?.pixels.into_flattened();
+        let mut not_finite = 0;
+        for number in gradient.iter_mut().chain(&mut stderr) {
+            if !number.is_finite() {
+                not_finite += 1;
+                *number = 0.0;
+            }
+        }
+        Ok(Self {
+            gradient,
+            stderr,
+            rejected: made.statistics.rejected,
+            rays: made.statistics.rays.values().sum(),
+            not_finite,
+            seconds: 0.0,
+            processor_seconds: 0.0,
+            memory_bytes: None,
+        })
+    }
+}
+
+/// What each is worth beside finite differences of as many samples, if there are any.
+fn compare_with_differences(cells: &mut [Cell]) {
+    let base = Method::REFERENCE.name();
+    let of = |cell: &Cell| Some((cell.figures.as_ref()?.sd, cell.times.clone()?));
+    let bases: Vec<_> = cells
+        .iter()
+        .map(|cell| {
+            let same = cells.iter().find(|c| c.method == base && c.spp == cell.spp);
+            same.and_then(of)
+        })
+        .collect();
+    for (cell, base) in cells.iter_mut().zip(bases) {
+        let (Some((base_sd, base)), Some(figures), Some(times)) =
+            (base, &cell.figures, &mut cell.times)
+        else {
+            continue;
+        };
+        let ratio = times.processor_seconds / base.processor_seconds;
+        let noise = figures.sd / base_sd * ratio.sqrt();
+        times.relative_noise = noise.is_finite().then_some(noise);
+        times.relative_efficiency = times.efficiency.zip(base.efficiency).map(|(a, b)| a / b);
+    }
+}
+
+fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    numbers.sort_unstable_by(f64::total_cmp);
+    let n = numbers.len();
+    (numbers[(n - 1) / 2] + numbers[n / 2]) / 2.0
+}

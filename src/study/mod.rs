@@ -1,0 +1,15 @@
+//! `warpath study`: methods beside each other on many scenes, error against time.
+
+pub mod bounds;
+pub mod cell;
+pub mod chart;
+pub mod config;
+mod figures;
+mod journal;
+mod measure;
+pub mod peers;
+pub mod reference;
+pub mod report;
+pub mod run;
+mod task;
+pub mod verdict;

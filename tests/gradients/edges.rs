@@ -1,0 +1,131 @@
+//! `edges` beside `reparam`: two estimators that share nothing but what they look for, so that they
+//! agree only if both are right. And `edges` forward beside backward.
+
+use common::comparison::*;
+use common::materials::Paint;
+use common::scenes::*;
+use common::transposition::transposed;
+use common::{Quiet, direction, gradient, settings};
+use glam::{Vec3, vec3};
+use warpath::methods::{Method, forward};
+use warpath::scene::{Distribution, Scene};
+use warpath::statistics::agreement::Agreement;
+
+/// Independent runs of each method.
+const RUNS: u64 = 16;
+/// How far apart two right answers may be.
+const SIGMAS: f64 = 4.0;
+
+/// Holds `edges` to `reparam`, which other tests hold to finite differences; the standard error of
+/// the difference is at most this part of the gradient.
+fn agree(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, resolution: f64) {
+    let along = direction(scene, parts);
+    let runs = |method: Method, first: u64| -> Vec<Vec<f64>> {
+        let seeds = first..first + RUNS;
+        seeds
+            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
+            .collect()
+    };
+    let agreement = Agreement::new(&runs(Method::Edges, 1), &runs(Method::Reparam, 1000));
+    println!("{agreement:.4?}");
+    assert!(
+        agreement.bias.error < resolution,
+        "nothing can be said: {agreement:.4?}"
+    );
+    assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
+}
+
+const MOVED: [f32; 3] = [1.0, 0.2, 0.4];
+
+#[test]
+fn silhouettes() {
+    let scene = silhouette(GAUSSIAN);
+    agree(&scene, &[("block.translation", &MOVED)], 64, 0.01);
+    agree(&scene, &[("block.rotation", &MOVED)], 64, 0.02);
+    agree(&scene, &[("cam.translation", &MOVED)], 64, 0.01);
+    agree(&silhouette(BOX), &[("block.scale", &[1.0])], 64, 0.02);
+}
+
+#[test]
+fn shadows() {
+    agree(&shadow(), &[("block.translation", &MOVED)], 256, 0.02);
+    agree(&shadow(), &[("lamp.translation", &MOVED)], 256, 0.02);
+}
+
+/// Edges near by, whose far ends are a hundred times as far away.
+#[test]
+fn contact() {
+    let lid = parallelogram(
+        vec3(-0.6, -0.5, 0.03),
+        vec3(1.2, 0.1, 0.0),
+        vec3(0.0, 1.0, 0.0),
+    );
+    let scene = small_floor()
+        .solid("lid", lid, [0.3, 0.6, 0.5])
+        .constant_environment(SKY);
+    agree(&scene, &[("lid.translation", &[0.0, 0.0, 1.0])], 128, 0.02);
+}
+
+#[test]
+fn between_surfaces() {
+    agree(&room(3), &[("block.translation", &MOVED)], 512, 0.05);
+}
+
+#[test]
+fn under_a_map() {
+    let scene = close_up().sunny();
+    agree(&scene, &[("block.translation", &MOVED)], 256, 0.05);
+}
+
+#[test]
+fn in_a_rough_mirror() {
+    let ball = ball(2, vec3(0.1, 0.1, 0.5), 0.35);
+    let scene = small_floor()
+        .metal("floor", 0.1, Distribution::Ggx)
+        .smooth("ball", ball, [0.2, 0.6, 0.3])
+        .constant_environment(SKY);
+    agree(&scene, &[("ball.translation", &MOVED)], 256, 0.05);
+}
+
+/// ⟨J·v, w⟩ = ⟨v, Jᵀ·w⟩.
+#[test]
+fn forward_and_backward_are_transposes() {
+    let ball = ball(2, vec3(0.1, 0.1, 1.2), 0.2);
+    let scene = room(3)
+        .smooth("ball", ball, [0.2, 0.6, 0.3])
+        .constant_environment(SKY);
+    // A black lamp out of sight: its own colour does not matter.
+    transposed(
+        &scene,
+        Method::Edges,
+        &["lamp.bsdf.brdf_0.reflectance.value"],
+    );
+}
+
+fn refusal(scene: &Scene) -> String {
+    let along = direction(scene, &[("block.translation", &MOVED)]);
+    let done = forward(scene, &settings(scene, Method::Edges, 4, 1), &along, &Quiet);
+    done.err().map(|e| e.to_string()).unwrap_or_default()
+}
+
+#[test]
+fn what_has_no_edges_is_refused() {
+    assert_eq!(refusal(&close_up().constant_environment(SKY)), "");
+    let through = placed(cuboid(vec3(0.2, 0.2, 0.2)), Vec3::ZERO, vec3(0.5, 0.0, 0.6));
+    let scene = close_up()
+        .solid("other", through, [0.5; 3])
+        .constant_environment(SKY);
+    assert!(refusal(&scene).contains("pass through each other"));
+    // What stands on the floor does not pass through it.
+    let standing = placed(
+        cuboid(vec3(0.05, 0.05, 0.1)),
+        Vec3::ZERO,
+        vec3(-0.7, -0.7, 0.1),
+    );
+    let scene = close_up()
+        .solid("other", standing, [0.5; 3])
+        .constant_environment(SKY);
+    assert_eq!(refusal(&scene), "");
+    let tiles = close_up().checkerboard("floor").constant_environment(SKY);
+    assert!(refusal(&tiles).contains("checkerboard"));
+}

@@ -1,0 +1,104 @@
+//! Stopped at any instant, a study goes on; and it finds the same twice.
+
+use super::write_config;
+use crate::workplace::{text, typed, warpath, workplace};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// The results but for times.
+fn without_times(path: &Path) -> String {
+    let text = std::fs::read_to_string(path.join("study.json")).unwrap();
+    let mut all: Value = serde_json::from_str(&text).unwrap();
+    for row in all["rows"].as_array_mut().unwrap() {
+        for cell in row["cells"].as_array_mut().unwrap() {
+            cell.as_object_mut().unwrap().remove("times").unwrap();
+        }
+    }
+    all.to_string()
+}
+
+fn gradients(path: &Path) -> Vec<(String, Vec<u8>)> {
+    let folder = std::fs::read_dir(path.join("gradients")).unwrap();
+    let mut files: Vec<_> = folder.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+    files
+        .iter()
+        .map(|path| (name(path), std::fs::read(path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn killed_studies_go_on_and_end_with_the_same_bytes() {
+    let directory = workplace();
+    let at = directory.path();
+    write_config(at);
+    let whole = warpath(at, &typed("study c.toml -o whole --threads 1 -q"));
+    assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
+    let mut finished = false;
+    for kill in 0..60u64 {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_warpath"));
+        let command = command.args(typed("study c.toml -o killed --resume -q --threads 2"));
+        let mut child = command
+            .current_dir(at)
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(30 + 60 * kill));
+        if let Some(status) = child.try_wait().unwrap() {
+            assert_eq!(status.code(), Some(0));
+            finished = true;
+            break;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(finished, "it was killed every time");
+    assert_eq!(
+        without_times(&at.join("killed")),
+        without_times(&at.join("whole"))
+    );
+    assert_eq!(gradients(&at.join("killed")), gradients(&at.join("whole")));
+    // What is there is not written over by chance, and a torn line is measured again.
+    let again = warpath(at, &typed("study c.toml -o whole"));
+    assert_eq!(again.status.code(), Some(2), "{}", text(&again.stderr));
+    let journal = at.join("whole/study.jsonl");
+    let lines = std::fs::read(&journal).unwrap();
+    std::fs::write(&journal, &lines[..lines.len() - 9]).unwrap();
+    let before = without_times(&at.join("whole"));
+    let resumed = warpath(at, &typed("study c.toml -o whole --resume"));
+    assert_eq!(resumed.status.code(), Some(0), "{}", text(&resumed.stderr));
+    assert!(
+        text(&resumed.stderr).contains("of 2: card"),
+        "{}",
+        text(&resumed.stderr)
+    );
+    assert_eq!(without_times(&at.join("whole")), before);
+}
+
+#[test]
+fn a_signal_stops_it_cleanly() {
+    let directory = workplace();
+    let at = directory.path();
+    write_config(at);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_warpath"));
+    let command = command.args(typed(
+        "study c.toml -o out --set reference.spp=4096 --log-format json",
+    ));
+    let child = command
+        .current_dir(at)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    crate::workplace::signal(child.id(), "TERM");
+    let out = child.wait_with_output().unwrap();
+    assert_eq!(out.status.code(), Some(143), "{}", text(&out.stderr));
+    assert!(
+        text(&out.stderr).contains("\"seconds_left\""),
+        "{}",
+        text(&out.stderr)
+    );
+}

@@ -1,0 +1,80 @@
+//! What Mitsuba takes and a strict reading would not: with a warning.
+
+use super::{SENSOR, floats, scene, with_files};
+use warpath::scene::Lens;
+use warpath::scene::source::Memory;
+
+fn warns(scene: &warpath::scene::Scene, of: &str) {
+    let mut warnings = scene.warnings.iter();
+    assert!(warnings.any(|w| w.contains(of)), "{:?}", scene.warnings);
+}
+
+#[test]
+fn shapes_without_area_are_left_out() {
+    let thin = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n";
+    let files = Memory::new().with("s/thin.ply", thin);
+    let shapes = "<shape type=\"ply\" id=\"thin\"><string name=\"filename\" value=\"thin.ply\"/>\
+        <emitter type=\"area\"/></shape><shape type=\"cube\" id=\"lamp\"><emitter type=\"area\"/></shape>";
+    let scene = with_files(&format!("{shapes}{SENSOR}"), files, &[]);
+    assert_eq!((scene.meshes.len(), scene.area_lights.len()), (1, 1));
+    assert_eq!(scene.meshes[0].area_light, Some(0));
+    assert_eq!(scene.area_lights[0].mesh, 0);
+    warns(&scene, "thin.ply");
+}
+
+#[test]
+fn bright_pictures_are_taken_as_they_are() {
+    let files = Memory::new().with("s/bright.pfm", floats(2, 2, |x, _| [1.5 * x as f32; 3]));
+    let shape = "<shape type=\"rectangle\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">\
+        <string name=\"filename\" value=\"bright.pfm\"/></texture></bsdf></shape>";
+    let scene = with_files(&format!("{shape}{SENSOR}"), files, &[]);
+    let picture = scene.textures.iter().find(|t| t.varies()).unwrap();
+    assert_eq!(picture.texels[1], [1.5; 3]);
+    warns(&scene, "up to 1.5");
+}
+
+#[test]
+fn of_a_negative_eta_the_amount_counts() {
+    let scene = scene(
+        "<shape type=\"cube\"><bsdf type=\"conductor\"><rgb name=\"eta\" value=\"0.2, -0.01, 0.3\"/>\
+         <rgb name=\"k\" value=\"3, 4, 5\"/></bsdf></shape>",
+    );
+    let eta = scene.textures.iter().find(|t| t.key.ends_with(".eta"));
+    assert_eq!(eta.unwrap().texels[0], [0.2, 0.01, 0.3]);
+    warns(&scene, "negative");
+}
+
+#[test]
+fn a_scene_without_a_sensor_is_seen_as_a_whole() {
+    let scene = with_files("<shape type=\"cube\"/>", Memory::new(), &[]);
+    let sensor = &scene.sensors[0];
+    assert_eq!(sensor.lens, Lens::Pinhole);
+    let toward = sensor.to_world.inverse();
+    for &position in &scene.meshes[0].positions {
+        let seen = toward.transform_point3(position);
+        let tangent = (0.5 * sensor.x_fov_rad).tan();
+        assert!(seen.z > sensor.near_clip && seen.z < sensor.far_clip);
+        assert!(seen.x.abs() < tangent * seen.z && seen.y.abs() < 0.75 * tangent * seen.z);
+    }
+    warns(&scene, "no sensor");
+}
+
+#[test]
+fn numbers_of_samples_matter_where_they_leave_light_out() {
+    let direct = |inside: &str| {
+        let text = format!(
+            "<scene version=\"3.0.0\"><integrator type=\"direct\"><integer name=\"emitter_samples\" value=\"0\"/>\
+             </integrator><shape type=\"cube\"/>{inside}{SENSOR}</scene>"
+        );
+        warpath::scene::load_from(&Memory::new().with("s.xml", text), "s.xml", &[])
+    };
+    assert!(
+        direct("<emitter type=\"constant\"/>")
+            .unwrap()
+            .warnings
+            .is_empty()
+    );
+    let refused = direct("<emitter type=\"point\"/>").unwrap_err().to_string();
+    assert!(refused.contains("emitter_samples"), "{refused}");
+}
