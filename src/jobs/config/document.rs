@@ -204,7 +204,11 @@ fn of_value(value: Spanned<DeValue>, place: &dyn Fn(usize) -> String) -> Result<
 
 /// Both from 1, columns in characters.
 fn line_and_column(text: &str, at: usize) -> (usize, usize) {
-    let before = &text[..text.floor_char_boundary(at)];
+    // A place within a character is that of the character.
+    let end = (0..=at.min(text.len()))
+        .rev()
+        .find(|&i| text.is_char_boundary(i));
+    let before = &text[..end.unwrap_or(0)];
     let line = before.matches('\n').count() + 1;
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (line, before[start..].chars().count() + 1)

@@ -1,6 +1,6 @@
 //! `[loss]`.
 
-use super::table::Table;
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 
 /// How a number of the image is compared with that of the target.

@@ -1,12 +1,10 @@
 //! `CONFIG.toml`: what an optimisation is asked to do, read and checked before a scene is loaded.
 
-pub mod document;
 mod loss;
 mod optimizer;
 mod parameter;
 mod render;
 mod schedule;
-mod table;
 mod views;
 
 pub use loss::{LossSettings, Pointwise, Silhouette};
@@ -16,12 +14,12 @@ pub use render::{Adaptive, RenderSettings};
 pub use schedule::{How, Schedule};
 pub use views::{Cameras, MaskFrom, Order, Truth, ViewSettings, ViewsSettings};
 
+use crate::jobs::config::document::{self, Node, Value};
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::output::FileError;
 use crate::scene::source::Fnv1a;
-use document::{Node, Value};
 use std::path::{Path, PathBuf};
-use table::Table;
 
 /// Steps of one run; more are a typing error.
 const MOST_STEPS: u64 = 10_000_000;

@@ -1,7 +1,7 @@
 //! `[optimizer]`.
 
 use super::schedule::Schedule;
-use super::table::Table;
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 
 /// Which recurrence.

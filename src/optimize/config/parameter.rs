@@ -1,9 +1,9 @@
 //! `[parameters."KEY"]`: what is optimised, and how.
 
-use super::document::Value;
 use super::optimizer::{self, Kind};
 use super::schedule::Schedule;
-use super::table::Table;
+use crate::jobs::config::document::Value;
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! `[render]`: how the images of each step are rendered.
 
 use super::schedule::Schedule;
-use super::table::Table;
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::jobs::resolution::check_resolution;
 use crate::jobs::settings::MOST_SAMPLES;

@@ -1,7 +1,7 @@
 //! Numbers that change while the optimisation goes on.
 
-use super::document::{Node, Value};
-use super::table::{Table, number};
+use crate::jobs::config::document::{Node, Value};
+use crate::jobs::config::table::{Table, number};
 use crate::jobs::failure::Failure;
 
 /// A number for each step.
@@ -135,8 +135,8 @@ fn between(table: &Table, key: &str) -> Result<Schedule, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::document::parse;
     use super::*;
+    use crate::jobs::config::document::parse;
 
     fn read(text: &str) -> Result<Schedule, Failure> {
         let node = parse(text, "f")?;

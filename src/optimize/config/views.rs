@@ -1,7 +1,7 @@
 //! `[views]`, `[[view]]`, `[cameras]` and `[truth]`: what is seen, from where.
 
-use super::document::Value;
-use super::table::Table;
+use crate::jobs::config::document::Value;
+use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::jobs::settings::MOST_SAMPLES;
 use std::path::{Path, PathBuf};

@@ -100,8 +100,8 @@ impl Comparison {
         let mut means = vec![[0.0; 3]; size[0] * size[1]];
         for (at, square) in self.pixels(side, size) {
             let weight = self.weight(at);
-            for c in 0..3 {
-                means[square][c] += weight * f64::from(image.pixels[at][c]);
+            for (mean, value) in means[square].iter_mut().zip(image.pixels[at]) {
+                *mean += weight * f64::from(value);
             }
         }
         for (mean, weight) in means.iter_mut().zip(weights) {

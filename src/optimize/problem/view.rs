@@ -170,8 +170,8 @@ pub fn shrunk(view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
                 let at = (y * factor + i / factor) * view.target.width + x * factor + i % factor;
                 let w = view.mask.as_ref().map_or(1.0, |mask| f64::from(mask[at]));
                 weight += w;
-                for c in 0..3 {
-                    sum[c] += w * f64::from(view.target.pixels[at][c]);
+                for (sum, value) in sum.iter_mut().zip(view.target.pixels[at]) {
+                    *sum += w * f64::from(value);
                 }
             }
             let scale = if weight > 0.0 { 1.0 / weight } else { 0.0 };
@@ -191,7 +191,9 @@ pub fn shrunk(view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
 pub fn check_factor(view: &View, scene: &Scene, factor: u64) -> Result<(), Failure> {
     let film = &scene.sensors[view.sensor].film;
     let [width, height] = view.size();
-    let divides = width as u64 % factor == 0 && height as u64 % factor == 0;
+    let divides = [width, height]
+        .iter()
+        .all(|&side| (side as u64).is_multiple_of(factor));
     let is_cropped = view.resolution.is_none() && film.crop_size != [film.width, film.height];
     if factor == 1 || divides && !is_cropped {
         return Ok(());
