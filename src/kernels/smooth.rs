@@ -14,6 +14,8 @@ use crate::lanes::{Real, V3};
 /// is of no meaning.
 ///
 /// inputs: o -0.3..0.3, d 0.7..0.9, corners 1..2, normals 0.3..0.9, facing 1..1.2, ratio 1.1..1.8
+// Many: a ray, a triangle, and what it does; a structure would have no other user.
+#[allow(clippy::too_many_arguments)]
 pub fn smooth_ray<F: Real>(
     o: V3<F>,
     d: V3<F>,
