@@ -77,15 +77,17 @@ pub(super) enum Coordinates {
     Needed,
 }
 
-/// Loads the shape's mesh, without id, material and light, and remarks on it. Only one that has a use
-/// for texture coordinates pays for them with vertices split along seams. The colours of the
-/// vertices come beside it, if the file has some.
+/// A mesh, the colours of its vertices if the file has some, and remarks on it.
+type Loaded = (Mesh, Option<Vec<Rgb>>, Vec<String>);
+
+/// Loads the shape's mesh, without id, material and light. Only one that has a use for texture
+/// coordinates pays for them with vertices split along seams.
 pub(super) fn mesh(
     input: &mut Input,
     object: &Object,
     coordinates: Coordinates,
     rounds: &mut RoundShapes,
-) -> Result<(Mesh, Option<Vec<Rgb>>, Vec<String>), SceneError> {
+) -> Result<Loaded, SceneError> {
     let is_textured = coordinates != Coordinates::Idle;
     let mut remarks = Vec::new();
     let plugin = object.plugin.as_str();

@@ -67,7 +67,7 @@ mod tests {
         let mixed = (at + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ mixed >> 31) % n == 0
+        (mixed ^ mixed >> 31).is_multiple_of(n)
     }
 
     #[test]

@@ -291,7 +291,7 @@ fn bounces_off_and_through_layers() {
 #[test]
 fn normals_of_coats() {
     for gloss in [0.0, 0.3, 1.0] {
-        let alpha2 = (0.1 - 0.099 * gloss as f64).powi(2);
+        let alpha2 = f64::powi(0.1 - 0.099 * gloss, 2);
         let choices = pairs(41, 3, 7).map(|p| p.map(f64::from));
         let mut counts = vec![0; BINS * BINS];
         for choice in choices {

@@ -134,8 +134,9 @@ mod tests {
             for i in 0..n {
                 if i != k {
                     let f = rows[i][k] / rows[k][k];
-                    for j in k..=n {
-                        rows[i][j] -= f * rows[k][j];
+                    let pivot = rows[k].clone();
+                    for (x, y) in rows[i].iter_mut().zip(pivot) {
+                        *x -= f * y;
                     }
                 }
             }

@@ -17,11 +17,7 @@ const TOP: f64 = 64.0;
 /// rest is said in words.
 pub fn svg(rows: &[Row]) -> String {
     let methods = methods(rows);
-    let points = || {
-        rows.iter()
-            .flat_map(|row| last_cells(row))
-            .filter_map(worth)
-    };
+    let points = || rows.iter().flat_map(last_cells).filter_map(worth);
     let x = LogAxis::around(points().chain([1.0]), NAMES + 10.0, VERDICTS - 10.0);
     let bottom = TOP + LINE * rows.len() as f64;
     let mut svg = Svg::new(WIDTH, bottom + 44.0);
@@ -92,7 +88,7 @@ pub fn svg(rows: &[Row]) -> String {
 /// All methods but the one the others are measured by, in the order in which they are met.
 fn methods(rows: &[Row]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
-    for cell in rows.iter().flat_map(|row| last_cells(row)) {
+    for cell in rows.iter().flat_map(last_cells) {
         if !names.contains(&cell.method.as_str()) {
             names.push(&cell.method);
         }
