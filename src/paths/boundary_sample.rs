@@ -1,7 +1,7 @@
 //! What estimators of boundary terms leave behind: where something jumps, and what that brings.
 
 use crate::discontinuity::boundary::Boundary;
-use crate::paths::chain::ChainVertex;
+use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::counts::Counts;
 use crate::scene::Rgb;
 

@@ -10,6 +10,7 @@ use crate::kernels::bsdf::consistent_normal;
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::smooth::smooth_ray;
 use crate::lanes::{Real, V3};
+use crate::paths::chain_vertex::{Bend, ChainVertex};
 use crate::paths::rays::OFFSET;
 use crate::paths::scene_view::SceneView;
 use crate::paths::surface::interface::texture_at;
@@ -18,53 +19,13 @@ use crate::paths::surface::materials::{ETA, SLOTS};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
 
-/// What a smooth surface does with a ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bend {
-    Reflected,
-    Refracted,
-    Straight,
-}
-
-/// A smooth surface that a chain meets.
-#[derive(Clone, Copy, Debug)]
-pub struct ChainVertex {
-    pub triangle: u32,
-    pub bend: Bend,
-    /// Whether the ray comes from the side to which the shading normal points.
-    pub from_front: bool,
-}
-
-impl ChainVertex {
-    pub fn facing(&self) -> f64 {
-        if self.from_front { 1.0 } else { -1.0 }
-    }
-
-    /// Index beyond the surface over that on the ray's side, from inside over outside.
-    pub fn ratio<F: Real>(&self, eta: F) -> F {
-        if self.from_front {
-            eta
-        } else {
-            F::splat(1.0) / eta
-        }
-    }
-
-    pub fn is_reflected(&self) -> bool {
-        self.bend == Bend::Reflected
-    }
-
-    pub fn is_refracted(&self) -> bool {
-        self.bend == Bend::Refracted
-    }
-
-    /// The texture of its index of refraction, if it has one.
-    pub fn eta_texture(&self, view: &SceneView) -> Option<usize> {
-        let mesh = view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
-        let entry = view.materials.of_mesh(view.scene, mesh);
-        let eta = entry.slots.iter().find(|(slot, _)| *slot == ETA);
-        eta.filter(|_| self.is_refracted())
-            .map(|&(_, texture)| texture)
-    }
+/// The texture of a vertex's index of refraction, if it has one.
+pub fn eta_texture(vertex: &ChainVertex, view: &SceneView) -> Option<usize> {
+    let mesh = view.geometry.mesh_of_triangle[vertex.triangle as usize] as usize;
+    let entry = view.materials.of_mesh(view.scene, mesh);
+    let eta = entry.slots.iter().find(|(slot, _)| *slot == ETA);
+    eta.filter(|_| vertex.is_refracted())
+        .map(|&(_, texture)| texture)
 }
 
 /// Whether a triangle has shading normals of its own.
@@ -99,7 +60,7 @@ pub fn through<F: Real<Mask = bool>>(
         } else {
             [V3::new(F::splat(0.0), F::splat(0.0), F::splat(1.0)); 3]
         };
-        let eta = vertex.eta_texture(view).map_or(F::splat(1.0), &eta);
+        let eta = eta_texture(vertex, view).map_or(F::splat(1.0), &eta);
         smooth_ray(
             o,
             d,

@@ -7,6 +7,7 @@ pub mod at;
 pub mod between_planes;
 pub mod boundary_sample;
 pub mod chain;
+pub mod chain_vertex;
 pub mod counts;
 pub mod dimensions;
 pub mod environment;

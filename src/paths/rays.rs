@@ -1,7 +1,7 @@
 //! Packets of rays, and one lane of a vector.
 
 use crate::lanes::{LANES, Lane, Real, V3};
-use crate::scene::Rgb;
+use crate::scene::{RAY_OFFSET, Rgb};
 use crate::trace::Rays;
 use glam::Vec3;
 
@@ -43,9 +43,8 @@ impl RayPacket {
 /// Shadow rays stop a little before the light.
 pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
 
-/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one: some
-/// hundred units in the last place, what rounding can have moved the hit by.
-pub const OFFSET: f32 = 2e-5;
+/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one.
+pub const OFFSET: f32 = RAY_OFFSET;
 
 /// A point just off the surface, on the side that `direction` leaves to.
 pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {

@@ -5,6 +5,7 @@ use super::camera;
 use super::data::{AreaLight, Body, Bsdf, Instance, Material, Mesh, Scene};
 use super::emitter;
 use super::error::SceneError;
+use super::fineness;
 use super::input::Input;
 use super::instance;
 use super::integrator::{DEFAULT_INTEGRATOR, integrator};
@@ -75,6 +76,7 @@ fn load_as(
     }
     loader.warn();
     let mut scene = loader.scene;
+    scene.warnings.extend(fineness::warning(&scene.meshes));
     scene.materials = loader.materials.list;
     scene.textures = loader.textures.list;
     scene.hash = loader.input.hash.0;

@@ -1,9 +1,9 @@
 //! Edges that stand before a light, or before the environment map: what their shadows bring, in the
 //! coordinates of the light or of the map.
 
-use super::Edges;
 use super::directions::{Directions, Part};
 use super::point::EdgePoint;
+use super::sources::Edges;
 use super::surface::beside;
 use crate::discontinuity::boundary::vector;
 use crate::kernels::triangle::triangle_hit;

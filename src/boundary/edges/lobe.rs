@@ -1,8 +1,8 @@
 //! Edges over the lobes of a packet's vertices: what jumps in the radiance that arrives.
 
-use super::Edges;
 use super::directions::{Directions, Part};
 use super::point::explains;
+use super::sources::Edges;
 use super::surface::{EdgePoints, beside};
 use crate::boundary::cells::lobe::line::{LaneSurface, Lobe};
 use crate::boundary::probe::{Probed, Sides};

@@ -6,9 +6,9 @@
 //! −Ḟ/|c|, with F(d) = c·d for unit directions d, and brings (L₋ − L₊) times that: per unit of Ḟ
 //! (L₊ − L₋) Θ / (P |c|).
 
-use super::EdgeSet;
 use super::directions::Directions;
 use super::scene_edges::SceneEdge;
+use super::set::EdgeSet;
 use super::tree::Query;
 use crate::boundary::occlusion::{SurfacePoint, probe_angle};
 use crate::discontinuity::boundary::Boundary;

@@ -1,9 +1,9 @@
 //! Edges as the vertices of a packet see them: one is drawn in each lane, and those before which
 //! nothing stands are kept.
 
-use super::Edges;
 use super::directions::Directions;
 use super::point::EdgePoint;
+use super::sources::Edges;
 use crate::boundary::occlusion::SurfacePoint;
 use crate::lanes::LANES;
 use crate::paths::at::At;

@@ -14,7 +14,7 @@ use crate::kernels::frame::direction_from_local;
 use crate::kernels::triangle::triangle_point;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
-use crate::paths::chain::ChainVertex;
+use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::store::TileStore;

@@ -4,7 +4,8 @@ use crate::adjoint::smooth::smooth_ray_adjoint;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::backward::BackwardSweep;
 use crate::gradient::scene::backward::TileSums;
-use crate::paths::chain::{ChainVertex, is_shaded, through, vertex_normals};
+use crate::paths::chain::{eta_texture, is_shaded, through, vertex_normals};
+use crate::paths::chain_vertex::ChainVertex;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
@@ -43,7 +44,7 @@ impl BackwardSweep<'_> {
         let (view, triangle) = (self.view, vertex.triangle);
         let geometry = view.geometry;
         let corners = geometry.triangles[triangle as usize];
-        let texture = vertex.eta_texture(view);
+        let texture = eta_texture(vertex, view);
         let eta = texture.map_or(1.0, |t| f64::from(view.scene.constant(t)[0]));
         let (o_bar, d_bar, corner_bars, normal_bars, _, ratio_bar) = smooth_ray_adjoint(
             vector(o),

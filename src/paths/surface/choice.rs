@@ -13,38 +13,11 @@ use crate::paths::store::{Choice, Vertices};
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::materials::Entry;
 use crate::paths::surface::texture::Lookup;
-use crate::scene::{Bsdf, Scene};
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::Vec3;
 
 /// The least chance of a material whose fraction is asked about.
 const LEAST_CHANCE: f32 = 0.1;
-
-/// One of the materials that a surface is made of.
-pub struct Part {
-    /// Its number in the table of materials.
-    pub entry: usize,
-    /// Its fraction is the product of these.
-    fractions: Vec<Fraction>,
-}
-
-/// What a texture says of a mixture of two.
-#[derive(Clone, Copy)]
-struct Fraction {
-    texture: usize,
-    /// The rest, rather than what the texture says.
-    is_rest: bool,
-}
-
-impl Fraction {
-    fn value(self, found: &Lookup) -> f32 {
-        if self.is_rest {
-            1.0 - found.value.x
-        } else {
-            found.value.x
-        }
-    }
-}
 
 /// One factor of a lane's fraction over its chance.
 pub struct ChoiceSlope {
@@ -55,42 +28,6 @@ pub struct ChoiceSlope {
     pub by_barycentric: [Vec3; 2],
     /// Of the whole over the chance, by the texture's value.
     pub slope: f32,
-}
-
-/// What a material is made of, if that is several.
-pub fn parts(scene: &Scene, material: usize) -> Vec<Part> {
-    let mut out = Vec::new();
-    let is_one = scene.materials[material].bsdf.nested().is_empty();
-    if !is_one {
-        collect(scene, material, &mut Vec::new(), &mut out);
-    }
-    out
-}
-
-fn collect(scene: &Scene, material: usize, way: &mut Vec<Fraction>, out: &mut Vec<Part>) {
-    let (texture, [rest, chosen]) = match scene.materials[material].bsdf {
-        Bsdf::Mask { opacity, nested } => (opacity, [None, Some(nested)]),
-        Bsdf::Blend { weight, nested } => (weight, nested.map(Some)),
-        _ => {
-            out.push(Part {
-                entry: material,
-                fractions: way.clone(),
-            });
-            return;
-        }
-    };
-    for (is_rest, nested) in [(true, rest), (false, chosen)] {
-        way.push(Fraction { texture, is_rest });
-        match nested {
-            Some(nested) => collect(scene, nested, way, out),
-            None => out.push(Part {
-                // What is not there stands behind all others.
-                entry: scene.materials.len(),
-                fractions: way.clone(),
-            }),
-        }
-        way.pop();
-    }
 }
 
 impl SceneView<'_> {

@@ -1,7 +1,7 @@
 //! The materials of a scene, prepared for lookups.
 
-use crate::paths::surface::choice::{Part, parts};
 use crate::paths::surface::kinds::Kinds;
+use crate::paths::surface::parts::{Part, parts};
 use crate::paths::surface::rough_transmission::TransmissionTable;
 use crate::scene::{Bsdf, Distribution, Layout, Microfacets, Relief, Scene};
 

@@ -8,6 +8,7 @@ pub mod layers;
 pub mod lobe_sample;
 pub mod materials;
 pub mod microfacet_sample;
+pub mod parts;
 pub mod relief;
 pub mod rough_transmission;
 pub mod texture;

@@ -7,7 +7,7 @@ use crate::discontinuity::between::HALVINGS;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::Crossing;
 use crate::discontinuity::pencil::{Between, between};
-use crate::paths::chain::ChainVertex;
+use crate::paths::chain_vertex::ChainVertex;
 
 /// Cuts behind one another that are looked for in one part of an interval.
 const ROUNDS: u32 = 6;

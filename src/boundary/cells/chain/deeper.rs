@@ -3,7 +3,8 @@
 use super::follow::{FirstRays, Followed};
 use super::search::{ChainSearch, Points, Run, Way};
 use crate::discontinuity::between::HALVINGS;
-use crate::paths::chain::{Bend, LEAST_CHANCE};
+use crate::paths::chain::LEAST_CHANCE;
+use crate::paths::chain_vertex::Bend;
 
 impl<R: FirstRays> ChainSearch<'_, R> {
     /// Follows rays that see one smooth surface beyond it.

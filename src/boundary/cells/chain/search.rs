@@ -8,7 +8,7 @@
 use super::follow::{FirstRays, Followed};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
-use crate::paths::chain::{Bend, ChainVertex};
+use crate::paths::chain_vertex::{Bend, ChainVertex};
 use crate::paths::counts::Counts;
 use glam::DVec3;
 

@@ -14,7 +14,7 @@ use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
-use crate::paths::chain::ChainVertex;
+use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::estimator::Bounce;
 use crate::paths::rays::lane_of;
 use glam::DVec3;

@@ -1,0 +1,93 @@
+//! What edges are drawn from, made when it is first asked for.
+
+use super::lights::LightsAround;
+use super::scene_edges::SceneEdges;
+use super::set::EdgeSet;
+use super::tile_edges::TileEdges;
+use super::tree::EdgeTree;
+use crate::boundary::search_scene::SearchScene;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::discontinuity::pieces::Pieces;
+use crate::paths::estimator::FilmTile;
+use crate::paths::moving::Moving;
+use crate::paths::scene_view::SceneView;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
+/// Points on edges, drawn by what they may bring.
+pub struct Edges<'a> {
+    adjacency: &'a Adjacency,
+    pub moving: &'a Moving,
+    /// All edges, and those of what moves.
+    all: OnceLock<EdgeSet>,
+    moved: OnceLock<EdgeSet>,
+    lights: OnceLock<LightsAround>,
+    pieces: OnceLock<Pieces>,
+    /// The edges that the camera sees in each tile, by the tile's first pixel.
+    tiles: Mutex<HashMap<[i32; 2], Arc<TileEdges>>>,
+}
+
+impl<'a> Edges<'a> {
+    pub fn new(adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        Self {
+            adjacency,
+            moving,
+            all: OnceLock::new(),
+            moved: OnceLock::new(),
+            lights: OnceLock::new(),
+            pieces: OnceLock::new(),
+            tiles: Mutex::default(),
+        }
+    }
+
+    /// The scene as probes see it.
+    pub fn scene<'s>(&'s self, view: &'s SceneView<'s>) -> SearchScene<'s> {
+        SearchScene {
+            view,
+            adjacency: self.adjacency,
+            moving: self.moving,
+            found_pieces: &self.pieces,
+        }
+    }
+
+    /// The edges that move as seen from a point that moves or rests; `None` if there are none.
+    pub fn set(&self, view: &SceneView, point_moves: bool) -> Option<&EdgeSet> {
+        let geometry = view.geometry;
+        let make = |wanted: &dyn Fn(u32) -> bool| {
+            let edges = SceneEdges::new(geometry, self.adjacency, wanted);
+            EdgeSet {
+                tree: EdgeTree::new(geometry, &edges),
+                edges,
+            }
+        };
+        let moves = |triangle: u32| {
+            let [vertex, ..] = geometry.triangles[triangle as usize];
+            self.moving.vertex(geometry, vertex)
+        };
+        let set = if point_moves {
+            self.all.get_or_init(|| make(&|_| true))
+        } else {
+            self.moved.get_or_init(|| make(&moves))
+        };
+        (!set.edges.edges.is_empty()).then_some(set)
+    }
+
+    /// What is known of the lights.
+    pub fn lights(&self, view: &SceneView) -> &LightsAround {
+        self.lights.get_or_init(|| LightsAround::new(view))
+    }
+
+    /// The edges in a tile, which all groups of samples share.
+    pub fn in_tile(&self, set: &EdgeSet, film: &FilmTile) -> Arc<TileEdges> {
+        let known =
+            |tiles: &HashMap<[i32; 2], Arc<TileEdges>>| tiles.get(&film.tile.start).cloned();
+        let lock = || self.tiles.lock().unwrap_or_else(|e| e.into_inner());
+        if let Some(found) = known(&lock()) {
+            return found;
+        }
+        // Whoever is second finds the same.
+        let found = Arc::new(TileEdges::new(set, film));
+        lock().insert(film.tile.start, found.clone());
+        found
+    }
+}
