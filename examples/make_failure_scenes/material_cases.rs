@@ -32,6 +32,7 @@ fn lights() -> String {
     ) + &constant("0.5, 0.55, 0.65")
 }
 
+// Long: scenes one after another.
 fn metals() -> Vec<Case> {
     let metal = |name, defines, symptom| Case {
         file: "metal",

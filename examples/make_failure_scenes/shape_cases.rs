@@ -37,6 +37,7 @@ fn card(id: &str, half: f64, at: &str, colour: &str) -> String {
     )
 }
 
+// Long: scenes one after another.
 fn single() -> Vec<Case> {
     let turn: &[(&str, &str)] = &[("obj.rotation", "[0.3, 0.2, 1]")];
     let cube = |mesh, flat| ply("obj", mesh, flat, BEFORE, COLOUR) + &wall() + &sky();
@@ -172,6 +173,7 @@ fn single() -> Vec<Case> {
     ]
 }
 
+// Long: scenes one after another.
 fn several() -> Vec<Case> {
     let balls = |gap: f64| {
         ply(

@@ -8,6 +8,7 @@ use crate::paths::scene_view::SceneView;
 use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
+// Long: one refusal after another.
 pub fn check(
     scene: &Scene,
     request: &SceneDifferential,

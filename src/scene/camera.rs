@@ -20,6 +20,7 @@ const DEFAULT_FILM: Film = Film {
 };
 
 /// `perspective`, `thinlens` or `orthographic`, under the id it will be listed with.
+// Long: one property after another.
 pub(super) fn sensor(tree: &Tree, object: &Object, id: String) -> Result<Sensor, SceneError> {
     let mut film_element = None;
     let mut sampler_element = None;

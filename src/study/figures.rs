@@ -1,7 +1,7 @@
 //! From the repeats of a cell to its figures.
 
-use super::cell::Figures;
-use super::measure::Run;
+use super::one_run::Run;
+use super::quantities::Figures;
 use super::reference::{Reference, between};
 use crate::statistics::agreement::Agreement;
 use crate::statistics::bias::Bias;

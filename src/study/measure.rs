@@ -2,38 +2,18 @@
 
 use super::cell::{Cell, Times};
 use super::figures;
+use super::one_run::Run;
 use super::reference::Reference;
 use super::task::Task;
 use super::verdict::Verdict;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
 use crate::jobs::seeds::nth_seed;
-use crate::methods::{self, EngineError, ForwardGradient, Image, Method, Progress, Settings};
-use std::collections::BTreeMap;
+use crate::methods::{self, EngineError, Image, Method, Progress, Settings};
 use std::time::Instant;
 
 /// What a method other than finite differences takes, in camera paths of an image, about.
 const GRADIENT_IMAGES: u64 = 3;
-
-/// One run of a cell.
-pub struct Run {
-    pub gradient: Vec<f32>,
-    pub stderr: Vec<f32>,
-    pub rejected: BTreeMap<&'static str, u64>,
-    pub rays: u64,
-    /// Numbers that were infinite or none at all; zeros stand in their place.
-    pub not_finite: u64,
-    seconds: f64,
-    processor_seconds: f64,
-    memory_bytes: Option<u64>,
-}
-
-impl Run {
-    /// In double precision.
-    pub fn values(&self) -> Vec<f64> {
-        self.gradient.iter().map(|x| f64::from(*x)).collect()
-    }
-}
 
 /// A cell while it is measured.
 struct Trial {
@@ -160,31 +140,6 @@ impl Trial {
         };
         let verdict = Verdict::of(&figures, repeats, reference);
         cell(verdict, Some(figures), Some(times))
-    }
-}
-
-impl Run {
-    fn of(made: ForwardGradient) -> Result<Self, Failure> {
-        let none = || Failure::System("a run gave no standard errors".into());
-        let mut gradient = made.gradient.pixels.into_flattened();
-        let mut stderr = made.stderr.ok_or_else(none)?.pixels.into_flattened();
-        let mut not_finite = 0;
-        for number in gradient.iter_mut().chain(&mut stderr) {
-            if !number.is_finite() {
-                not_finite += 1;
-                *number = 0.0;
-            }
-        }
-        Ok(Self {
-            gradient,
-            stderr,
-            rejected: made.statistics.rejected,
-            rays: made.statistics.rays.values().sum(),
-            not_finite,
-            seconds: 0.0,
-            processor_seconds: 0.0,
-            memory_bytes: None,
-        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is said of a method on a direction.
 
-use super::cell::Figures;
+use super::quantities::Figures;
 use super::reference::Reference;
 use serde::{Deserialize, Serialize};
 

@@ -50,6 +50,7 @@ struct FilmPoint {
 }
 
 /// Finds what jumps at points on the edges of a tile.
+// Long: draws, looks and keeps, in the order of the points.
 pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
     let (view, tile) = (film.view, film.tile);
     // A camera that moves makes all edges move.

@@ -167,6 +167,7 @@ impl BackwardSweep<'_> {
 
     /// The cotangents of the light's power and of the path's weight; `brings` is what arrives per
     /// unit of power. Returns that of the way from the light, along which a beam differs.
+    // What arrives, what it is of, and where its cotangents go.
     #[allow(clippy::too_many_arguments)]
     fn power(
         &self,

@@ -2,5 +2,6 @@
 
 pub mod backward;
 pub mod forward;
+mod made_of_backward;
 mod relief_backward;
 mod surface_backward;

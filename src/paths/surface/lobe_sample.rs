@@ -144,6 +144,7 @@ impl SceneView<'_> {
     }
 
     /// Sets the lobe, its coordinate and its density in lanes that are more than diffuse.
+    // Long: one kind of surface after another.
     fn draw_lobes(
         &self,
         vertices: &mut Vertices,

@@ -146,6 +146,7 @@ fn is_wide(scene: &Scene, alpha: f32) -> bool {
     alpha >= wide
 }
 
+// Long: one arm for every kind of material.
 fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
     const ALL: u32 = u32::MAX;
     let mut slots = Vec::new();

@@ -1,21 +1,20 @@
 //! `CONFIG.toml` of a study: which scenes, directions, methods and sample counts.
 
+mod effort;
 mod scene;
 
+pub use effort::Effort;
 pub use scene::{DirectionPlan, ScenePlan};
 
 use crate::jobs::config::document;
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
-use crate::jobs::resolution::resolution;
 use crate::jobs::settings::MOST_SAMPLES;
-use crate::methods::{ESTIMATORS, Method};
+use crate::methods::ESTIMATORS;
 use crate::output::FileError;
 use crate::scene::nearest::nearest_hint;
+use effort::{effort, runs};
 use std::path::{Path, PathBuf};
-
-/// Runs of one cell; more are a typing error.
-const MOST_RUNS: u64 = 4096;
 
 /// What a study is asked to do.
 #[derive(Clone, Debug)]
@@ -27,18 +26,6 @@ pub struct Plan {
     pub reference: ReferencePlan,
     pub peers: Option<PeersPlan>,
     pub scenes: Vec<ScenePlan>,
-}
-
-/// What is measured of each direction; scenes may have it otherwise than the rest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Effort {
-    pub methods: Vec<Method>,
-    pub spp: Vec<u32>,
-    pub repeats: usize,
-    /// Width and height in pixels; the film's if not said.
-    pub resolution: Option<[u32; 2]>,
-    /// Segments; the scene's if not said.
-    pub max_depth: Option<u32>,
 }
 
 /// The finite differences that all are compared with.
@@ -109,66 +96,6 @@ pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
     };
     table.finish()?;
     Ok(plan)
-}
-
-/// What a table says of the effort, in place of what is usual.
-fn effort(table: &Table, usual: Effort) -> Result<Effort, Failure> {
-    let size = |text: String| resolution(&text).map_err(|what| table.error("resolution", what));
-    Ok(Effort {
-        methods: methods(table)?.unwrap_or(usual.methods),
-        spp: sample_counts(table)?.unwrap_or(usual.spp),
-        // The scatter of one run is unknown.
-        repeats: runs(table, "repeats")?.unwrap_or(usual.repeats),
-        resolution: match table.text("resolution")? {
-            Some(text) => Some(size(text)?),
-            None => usual.resolution,
-        },
-        max_depth: match table.count("max_depth", 1, u64::from(u32::MAX))? {
-            Some(depth) => Some(depth as u32),
-            None => usual.max_depth,
-        },
-    })
-}
-
-fn runs(table: &Table, key: &str) -> Result<Option<usize>, Failure> {
-    Ok(table.count(key, 2, MOST_RUNS)?.map(|runs| runs as usize))
-}
-
-fn methods(table: &Table) -> Result<Option<Vec<Method>>, Failure> {
-    let Some(names) = table.texts("methods")? else {
-        return Ok(None);
-    };
-    let known = ESTIMATORS.each_ref().map(|row| row.name);
-    let mut methods: Vec<Method> = Vec::new();
-    for name in names {
-        let method = table.one_of("methods", &name, &known)?;
-        let Some(method) = Method::named(method).filter(|m| !methods.contains(m)) else {
-            return Err(table.error("methods", format!("{name} is there twice")));
-        };
-        methods.push(method);
-    }
-    match methods.is_empty() {
-        true => Err(table.error("methods", "none is named")),
-        false => Ok(Some(methods)),
-    }
-}
-
-fn sample_counts(table: &Table) -> Result<Option<Vec<u32>>, Failure> {
-    let Some(numbers) = table.numbers("spp")? else {
-        return Ok(None);
-    };
-    let mut counts = Vec::new();
-    for number in numbers {
-        if number.fract() != 0.0 || !(2.0..=f64::from(MOST_SAMPLES)).contains(&number) {
-            let what = format!("write whole numbers from 2 to {MOST_SAMPLES}, not {number}");
-            return Err(table.error("spp", what));
-        }
-        counts.push(number as u32);
-    }
-    if counts.is_empty() || !counts.is_sorted_by(|a, b| a < b) {
-        return Err(table.error("spp", "write ascending numbers, as in [16, 64, 256]"));
-    }
-    Ok(Some(counts))
 }
 
 fn reference(table: &Table) -> Result<ReferencePlan, Failure> {

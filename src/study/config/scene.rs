@@ -1,6 +1,6 @@
 //! `[[scene]]`: a file and the directions in which its parameters move.
 
-use super::{Effort, effort};
+use super::effort::{Effort, effort};
 use crate::jobs::config::document::{Node, Value};
 use crate::jobs::config::table::{Table, number};
 use crate::jobs::failure::Failure;

@@ -1,6 +1,6 @@
 //! References that were made already, by a hash of all they depend on.
 
-use super::Rungs;
+use super::rungs::Rungs;
 use crate::output::{FileError, atomic, npy};
 use std::fs;
 use std::io::Write;

@@ -2,6 +2,7 @@
 
 mod cache;
 mod ladder;
+mod rungs;
 
 pub use ladder::{Ladder, between};
 
@@ -11,6 +12,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::seeds::{FIRST_REFERENCE_SEED, nth_seed};
 use crate::methods::{self, Method, Progress, Settings};
 use crate::statistics::estimate::Estimate;
+use rungs::Rungs;
 use std::path::Path;
 
 /// Of the brightest pixel: what rounding leaves in the difference of two images.
@@ -30,13 +32,6 @@ pub struct Reference {
     /// What rounding may leave in a number.
     pub rounding: f64,
     pub ladder: Ladder,
-}
-
-/// The runs at each step, the widest first: number by number.
-pub struct Rungs {
-    pub steps: Vec<Vec<Vec<f32>>>,
-    /// The brightest number of an image.
-    pub brightest: f64,
 }
 
 /// Finite differences from the cache, or made now and put there. `done` counts camera paths.

@@ -30,7 +30,8 @@ pub fn csv(rows: &[Row]) -> String {
     {
         let f = cell.figures.clone();
         let t = cell.times.clone();
-        let figure = |of: fn(&crate::study::cell::Figures) -> Option<f64>| f.as_ref().and_then(of);
+        let figure =
+            |of: fn(&crate::study::quantities::Figures) -> Option<f64>| f.as_ref().and_then(of);
         let time = |of: fn(&crate::study::cell::Times) -> Option<f64>| t.as_ref().and_then(of);
         let numbers = [
             row.reference.rms,

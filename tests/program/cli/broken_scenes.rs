@@ -150,10 +150,6 @@ fn broken_scenes_are_refused_with_their_place() {
             b"<scene version=\"3.0.0\">\xe9</scene>",
             "s.xml:1:24: the file is not UTF-8",
         ),
-        (
-            b"<scene version=\"3.0.0\"/>",
-            "s.xml:1:1: the scene has no sensor",
-        ),
         (b"<bsdf type=\"diffuse\"/>", "s.xml:1:1: "),
     ];
     for (bytes, message) in whole {

@@ -147,7 +147,7 @@ const BAD: [(&str, &str, &str); 62] = [
     (
         "spp = 8\n",
         "method = \"reparm\"\n",
-        "there is no \"reparm\"; write one of reparam, interior, fd; the nearest known name is \"reparam\"",
+        "there is no \"reparm\"; write one of reparam, edges, interior, fd; the nearest known name is \"reparam\"",
     ),
     (
         "spp = 8\n",

@@ -4,6 +4,7 @@ use super::write_config;
 use crate::workplace::{text, typed, warpath, workplace};
 use serde_json::Value;
 use std::path::Path;
+use warpath::methods::ESTIMATORS;
 
 fn study(directory: &Path, line: &str) -> (Option<i32>, String) {
     let out = warpath(directory, &typed(line));
@@ -86,7 +87,9 @@ fn interior_is_found_biased_and_reparam_right() {
     }
     let lines = std::fs::read_to_string(at.join("out/study.csv")).unwrap();
     let columns: Vec<usize> = lines.lines().map(|line| line.split(',').count()).collect();
-    assert!(columns.len() == 1 + 2 * 2 * 3 && columns.iter().all(|n| *n == columns[0]));
+    assert!(
+        columns.len() == 1 + 2 * 2 * ESTIMATORS.len() && columns.iter().all(|n| *n == columns[0])
+    );
     let page = std::fs::read_to_string(at.join("out/study.html")).unwrap();
     assert!(
         !page.contains("http://")
@@ -177,8 +180,8 @@ fn a_part_of_the_failure_battery() {
         "[[bound]]\nmethod = \"reparam\"\nscene = \"sphere\"\nverdict = [\"right\"]\n\
          [[bound]]\nmethod = \"interior\"\nscene = \"sphere\"\nverdict = [\"biased\"]\n\
          [[bound]]\nmethod = \"reparam\"\nscene = \"light_middle\"\nverdict = [\"right\", \"unknown\"]\n\
-         [[bound]]\nscene = \"unseen\"\nat_most = { rmse = 0, bias_squared = 0 }\nverdict = [\"right\"]\n\
-         [[bound]]\nmethod = \"reparam\"\nscene = \"point_light\"\nverdict = [\"refused\"]\n",
+         [[bound]]\nmethod = \"reparam\"\nscene = \"unseen\"\nat_most = { rmse = 0, bias_squared = 0 }\nverdict = [\"right\"]\n\
+         [[bound]]\nmethod = \"reparam\"\nscene = \"point_light\"\nverdict = [\"right\"]\n         [[bound]]\nmethod = \"edges\"\nscene = \"point_light\"\nverdict = [\"refused\"]\n",
     )
     .unwrap();
     let line = format!(

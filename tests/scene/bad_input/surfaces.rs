@@ -4,6 +4,7 @@ use super::{Case, Kind, inside, mesh, ply};
 
 // One line a case, however long.
 #[rustfmt::skip]
+// Long: a table.
 pub fn cases() -> Vec<Case> {
     let bsdf = |name, inside: &str, says| {
         let plugin = inside.split_once(' ').map_or((inside, ""), |p| p);

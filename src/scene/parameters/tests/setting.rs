@@ -4,6 +4,7 @@ use super::*;
 use crate::scene::data::DeltaLightKind;
 
 #[test]
+// Long: every kind of parameter.
 fn setting_is_what_moving_there_gives() {
     let base = scene();
     let set = |key: &str, values: &[f32]| {
