@@ -73,7 +73,8 @@ fn opacities_of_nothing_and_of_all() {
     }
 }
 
-/// Parameters, and whether the image is a polynomial of them.
+/// Parameters, whether the image is a polynomial of them, and whether they show near the plane
+/// alone.
 const LAYERS: [(&str, bool, bool); 10] = [
     ("roughness.value", false, false),
     ("anisotropic.value", false, false),
@@ -103,8 +104,8 @@ fn what_layers_are_made_of() {
     for (name, is_polynomial, is_faint) in LAYERS {
         let key = format!("floor.bsdf.{name}");
         let step = if is_polynomial { WIDE_STEP } else { LONG_STEP };
-        let scene = if is_faint { &low } else { &scene };
-        made_of(scene, 96, &key, &[1.0], step);
+        let (scene, spp) = if is_faint { (&low, 768) } else { (&scene, 96) };
+        made_of(scene, spp, &key, &[1.0], step);
     }
     let colour = "floor.bsdf.base_color.value";
     made_of(&low, 64, colour, &[1.0, 0.5, 0.2], LONG_STEP);
