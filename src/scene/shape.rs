@@ -124,7 +124,8 @@ pub(super) fn mesh(
             (mesh, Some(file))
         }
     };
-    if coordinates == Coordinates::Needed && raw.uvs.is_none() {
+    let needs_uvs = coordinates == Coordinates::Needed && !raw.triangles.is_empty();
+    if needs_uvs && raw.uvs.is_none() {
         let what = "the material or light of this shape has a texture, but its mesh has no texture coordinates";
         return Err(object.property_error("filename", what));
     }

@@ -1,4 +1,4 @@
-//! Boundary sampling, after [Li2018]: points are drawn on the edges of meshes instead of being
+//! Boundary sampling, after \[Li2018\]: points are drawn on the edges of meshes instead of being
 //! found between neighbouring rays.
 //!
 //! Edges that the camera sees are drawn by their length on the film, those that a vertex sees by the

@@ -1,6 +1,6 @@
 //! Drawing an edge that matters to a point: a tree over edges, descended at random.
 //!
-//! After the edge sampling of [Li2018], section 5.2: at each node one of the two children is taken
+//! After the edge sampling of \[Li2018\], section 5.2: at each node one of the two children is taken
 //! with a chance that goes with a guess of what its edges bring. The guess is the angle under which
 //! the node's edges would be seen if all were, times what the query says of that part of the
 //! directions. Edges of surfaces that look all one way as seen from the point are no silhouettes,
@@ -184,7 +184,7 @@ impl EdgeTree {
     }
 }
 
-/// The coordinate in which edges differ most, of places and normals, as [Li2018]'s six.
+/// The coordinate in which edges differ most, of places and normals, as \[Li2018\]'s six.
 fn widest(items: &[Item], radius: f64) -> impl Fn(&Item) -> f64 + use<> {
     let place = move |item: &Item, axis: usize| {
         if axis < 3 {

@@ -9,11 +9,11 @@ use crate::jobs::failure::Failure;
 pub enum Kind {
     /// Gradient descent, with momentum.
     Sgd,
-    /// [Kingma2015]
+    /// \[Kingma2015\]
     Adam,
-    /// [Loshchilov2019]
+    /// \[Loshchilov2019\]
     AdamW,
-    /// Adam with one scale for all numbers of a parameter [Nicolet2021].
+    /// Adam with one scale for all numbers of a parameter \[Nicolet2021\].
     Uniform,
 }
 

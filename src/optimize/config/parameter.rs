@@ -41,13 +41,13 @@ pub enum Reparameterisation {
     Log,
     /// Its place between the bounds, by the logistic function.
     Logistic,
-    /// (I + λL)v of the vertices v [Nicolet2021].
+    /// (I + λL)v of the vertices v \[Nicolet2021\].
     LargeSteps {
         lambda: f64,
     },
 }
 
-/// New triangles of even size on the way [Botsch2004].
+/// New triangles of even size on the way \[Botsch2004\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remeshing {
     /// Before these steps.

@@ -24,7 +24,7 @@ pub enum How {
     Linear,
     /// By equal factors.
     Exponential,
-    /// By half a period of the cosine [Loshchilov2017].
+    /// By half a period of the cosine \[Loshchilov2017\].
     Cosine,
 }
 

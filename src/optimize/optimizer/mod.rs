@@ -39,7 +39,7 @@ impl Memory {
 
     /// Moves `x` by one step. Recurrences and the order of their operations are those that PyTorch
     /// documents for `SGD`, `Adam` and `AdamW`; `Uniform` divides by the largest second moment of
-    /// all numbers [Nicolet2021]. Returns whether `max_step` has shortened the step.
+    /// all numbers \[Nicolet2021\]. Returns whether `max_step` has shortened the step.
     pub fn step(&mut self, rates: &Rates, x: &mut [f64], gradient: &[f64]) -> bool {
         self.steps += 1;
         let step = match rates.kind {

@@ -5,7 +5,7 @@
 //! rotation ω about the centre c₁ of the present box, and by a further scaling σ about it. With p =
 //! c + t, the torque about p is that about c₁ plus (c₁ − p) × τ̄, and the same holds of the virial.
 //! A rotation vector r + dr turns by R(J dr)R(r), where J is the left Jacobian of SO(3)
-//! [Sola2018] (eq. 145).
+//! \[Sola2018\] (eq. 145).
 
 use crate::scene::parameters::{self, Parameter, Target};
 use crate::scene::{Body, Scene, SceneDifferential};

@@ -137,7 +137,7 @@ fn take(problem: &Problem, state: &mut State, gradients: &[Vec<f64>], record: &m
 }
 
 /// More samples where noise hides the gradient, fewer where it does not: the norm test of
-/// [Byrd2012], over the last steps.
+/// \[Byrd2012\], over the last steps.
 fn adapt(problem: &Problem, state: &mut State) {
     let Some(adaptive) = problem.config.render.adaptive else {
         return;

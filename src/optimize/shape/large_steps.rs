@@ -1,4 +1,4 @@
-//! Large steps: vertices as a smooth function of what the optimiser moves [Nicolet2021].
+//! Large steps: vertices as a smooth function of what the optimiser moves \[Nicolet2021\].
 //!
 //! u = (I + λL)v with the uniform Laplacian L of the welded mesh: its diagonal has the number of
 //! neighbours, and −1 stands for each neighbour. The optimiser moves u, and the gradient by it is

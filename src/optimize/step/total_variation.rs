@@ -1,4 +1,4 @@
-//! Total variation: what keeps textures from fitting noise [Rudin1992].
+//! Total variation: what keeps textures from fitting noise \[Rudin1992\].
 
 use super::found::Evaluation;
 use crate::optimize::problem::Problem;

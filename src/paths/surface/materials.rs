@@ -28,7 +28,7 @@ pub const ALL_SLOTS: usize = 16;
 
 /// Rough conductors and plastics this rough or rougher are also lit by light samples, and their
 /// lobes differentiated in the lights' coordinates. Narrower lobes see lights along their
-/// reflections alone, and are differentiated in their own (the threshold of [Loubet2019]'s
+/// reflections alone, and are differentiated in their own (the threshold of \[Loubet2019\]'s
 /// implementation, there between kernels and convolutions).
 const WIDE_ALPHA: f32 = 0.15;
 /// The same before an environment map: what is small on it passes through a lobe much faster than

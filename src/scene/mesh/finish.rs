@@ -16,7 +16,8 @@ pub(in crate::scene) struct Placement {
     pub smooth: bool,
 }
 
-/// The mesh in the world, without id, material and light, and a remark if faces were dropped.
+/// The mesh in the world, without id, material and light, and a remark if faces were dropped
+/// or there are none.
 ///
 /// A mesh that no ray can meet is empty.
 ///
@@ -51,7 +52,8 @@ pub(in crate::scene) fn finish(
     }
     let all = triangles.len();
     if all == 0 {
-        return Err(MeshError::new("", "the mesh has no faces"));
+        let what = "the mesh has no faces: the shape is left out";
+        return Ok((Mesh::default(), Some(what.into())));
     }
     triangles.retain(|t| has_area(&positions, t));
     let dropped = all - triangles.len();

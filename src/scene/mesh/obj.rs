@@ -18,6 +18,9 @@ pub struct Reads {
 /// Reads an OBJ file. Vertex `i` is the `i`-th `v` line. A vertex that faces use with several
 /// normals or texture coordinates is repeated behind the others, once for each further combination.
 pub fn parse(bytes: &[u8], reads: Reads) -> Result<RawMesh, MeshError> {
+    if bytes.is_empty() {
+        return Err(MeshError::new("", "the file is empty"));
+    }
     let mut reader = ObjReader {
         positions: Vec::new(),
         uvs: Vec::new(),
@@ -183,9 +186,6 @@ impl ObjReader {
     }
 
     fn finish(self) -> Result<RawMesh, MeshError> {
-        if self.triangles.is_empty() {
-            return Err(MeshError::new("", "the mesh has no faces"));
-        }
         let mut positions = self.positions;
         let own = positions.len() as u32;
         let corners = &self.corners;

@@ -284,9 +284,6 @@ impl MeshBuilder {
             );
             return Err(MeshError::new(format!(", face {face}"), what));
         }
-        if self.mesh.triangles.is_empty() {
-            return Err(MeshError::new("", "the mesh has no faces"));
-        }
         Ok(self.mesh)
     }
 }

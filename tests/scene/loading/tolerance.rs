@@ -24,6 +24,30 @@ fn shapes_without_area_are_left_out() {
 }
 
 #[test]
+fn shapes_without_faces_are_left_out() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n";
+    let none = header
+        .replace("vertex 1", "vertex 0")
+        .replace("0 0 0\n", "");
+    let textured =
+        "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"/></bsdf>";
+    for (plugin, bytes) in [("ply", header), ("ply", none.as_str()), ("obj", "v 0 0 0\n")] {
+        for inside in ["<emitter type=\"area\"/>", textured] {
+            let name = format!("bare.{plugin}");
+            let files = Memory::new().with(&format!("s/{name}"), bytes);
+            let shapes = format!(
+                "<shape type=\"{plugin}\"><string name=\"filename\" value=\"{name}\"/>{inside}</shape>\
+                 <shape type=\"cube\"/>"
+            );
+            let scene = with_files(&format!("{shapes}{SENSOR}"), files, &[]);
+            assert_eq!((scene.meshes.len(), scene.area_lights.len()), (1, 0));
+            warns(&scene, &format!("{name}: the mesh has no faces"));
+        }
+    }
+}
+
+#[test]
 fn bright_pictures_are_taken_as_they_are() {
     let files = Memory::new().with("s/bright.pfm", floats(2, 2, |x, _| [1.5 * x as f32; 3]));
     let shape = "<shape type=\"rectangle\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\">\

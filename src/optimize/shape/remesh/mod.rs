@@ -1,4 +1,4 @@
-//! New triangles of even size over a surface: split, collapse, flip and relax [Botsch2004].
+//! New triangles of even size over a surface: split, collapse, flip and relax \[Botsch2004\].
 //!
 //! Vertices are relaxed within their tangent planes; unlike in the paper they are not projected back
 //! to the old surface, from which they stray by a second-order amount. Borders stay as they are.
