@@ -45,7 +45,7 @@ fn mean<'a>(images: impl Iterator<Item = &'a Image> + Clone) -> Image {
     }
 }
 
-/// The jackknife's standard error of a function of means \[Efron1993\] (ch. 11).
+/// The jackknife's standard error of a function of means [Efron1993] (ch. 11).
 fn jackknife(comparison: &Comparison, groups: &[Image]) -> Option<f64> {
     let n = groups.len();
     if n < 2 {

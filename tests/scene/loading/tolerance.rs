@@ -32,7 +32,11 @@ fn shapes_without_faces_are_left_out() {
         .replace("0 0 0\n", "");
     let textured =
         "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"/></bsdf>";
-    for (plugin, bytes) in [("ply", header), ("ply", none.as_str()), ("obj", "v 0 0 0\n")] {
+    for (plugin, bytes) in [
+        ("ply", header),
+        ("ply", none.as_str()),
+        ("obj", "v 0 0 0\n"),
+    ] {
         for inside in ["<emitter type=\"area\"/>", textured] {
             let name = format!("bare.{plugin}");
             let files = Memory::new().with(&format!("s/{name}"), bytes);
