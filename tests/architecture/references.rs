@@ -39,6 +39,8 @@ fn citations_resolve() {
 fn citations(text: &str) -> impl Iterator<Item = &str> {
     text.split('[').skip(1).filter_map(|rest| {
         let (key, _) = rest.split_once(']')?;
+        // As rustdoc wants it.
+        let key = key.trim_end_matches('\\');
         let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
         let is_key = key.len() == name.len() + 4
             && name.starts_with(|c: char| c.is_ascii_uppercase())
