@@ -39,7 +39,7 @@ fn shapes_without_faces_are_left_out() {
     ] {
         for inside in ["<emitter type=\"area\"/>", textured] {
             let name = format!("bare.{plugin}");
-            let files = Memory::new().with(&format!("s/{name}"), bytes);
+            let files = Memory::new().with(format!("s/{name}"), bytes);
             let shapes = format!(
                 "<shape type=\"{plugin}\"><string name=\"filename\" value=\"{name}\"/>{inside}</shape>\
                  <shape type=\"cube\"/>"
