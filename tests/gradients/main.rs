@@ -16,6 +16,7 @@ mod finite_differences_keys;
 mod finite_differences_layers;
 mod finite_differences_materials;
 mod finite_differences_pictures;
+mod hidden_edges;
 mod last_vertex;
 #[cfg(feature = "long-tests")]
 mod long;

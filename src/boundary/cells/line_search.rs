@@ -196,7 +196,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         let Candidate { crossing, cell, .. } = *candidate;
         if !jump.is_finite() {
             self.counts.boundary_not_finite += 1;
-        } else if jump != DVec3::ZERO && !crossing.is_hidden(seen) {
+        } else if jump != DVec3::ZERO && !self.is_hidden(candidate, seen) {
             self.met.push(Jump {
                 boundary: crossing.boundary,
                 is_silhouette: crossing.is_silhouette(),
@@ -210,6 +210,24 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         } else {
             Vec::new()
         }
+    }
+
+    /// Whether a crossing is not that between the triangles which are seen on its two sides, but
+    /// lies behind them: something ends between the two sides of an edge within a surface, or one
+    /// surface goes on between those of a silhouette.
+    fn is_hidden(&self, candidate: &Candidate<C>, seen: [u32; 2]) -> bool {
+        let Candidate { crossing, cell, .. } = candidate;
+        if seen[0] == seen[1] {
+            return crossing.is_hidden(seen);
+        }
+        let geometry = self.scene.view.geometry;
+        let mesh_of = |t: u32| geometry.mesh_of_triangle.get(t as usize);
+        let goes_on = mesh_of(seen[0]).is_some() && mesh_of(seen[0]) == mesh_of(seen[1]) && {
+            let arc = cell.part(candidate.places_beside(), seen).arc();
+            let found = between(geometry, self.scene.adjacency, &arc, seen, None, 0.0);
+            matches!(found, Ok([None, _]))
+        };
+        goes_on == crossing.is_silhouette()
     }
 
     /// Adds the borders of a cell, whose jumps are of no interest.
@@ -233,7 +251,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     fn rest(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let places = candidate.places_beside();
-        if seen[0] != seen[1] {
+        if !self.is_hidden(candidate, seen) {
             self.add_border(
                 cell,
                 Border {
