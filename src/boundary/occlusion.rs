@@ -2,7 +2,8 @@
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
-use crate::discontinuity::crossing::{Crossing, Kind, Reservoir};
+use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::crossing::{Crossing, Reservoir};
 use crate::discontinuity::walk::{Walk, walk};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
@@ -25,7 +26,8 @@ pub const MAX_OCCLUDERS: usize = 64;
 /// From acute edges of bodies with shading normals they keep this many times the distance from
 /// surfaces at which rays start, but not more than this fraction. Shading normals send rays into a
 /// body, and where that is a thin wedge what starts near its edge starts on its other side and gets
-/// out.
+/// out. Likewise where surfaces pass through each other: what starts on one of them nearer to the
+/// other than that starts on its other side.
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
@@ -36,13 +38,29 @@ pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: D
     let Some(point) = crossing.boundary.seen_along(geometry, origin, d) else {
         return [f64::INFINITY, PROBE];
     };
-    if crossing.kind == Kind::ThinSilhouette {
-        let room = point.abs().max_element() + 1.0;
-        let angle = CLEAR * f64::from(OFFSET) * room / point.distance(origin);
-        [angle, MOST_PROBE]
+    if crossing.is_tight() {
+        let distance = clear_of(geometry, &crossing.boundary, point);
+        [distance / point.distance(origin), MOST_PROBE]
     } else {
         [nearest_angle(point, origin), PROBE]
     }
+}
+
+/// How far from a point of a tight boundary what starts there is clear of what lies beyond it.
+pub fn clear_of(geometry: &Geometry, boundary: &Boundary, point: DVec3) -> f64 {
+    let room = point.abs().max_element() + 1.0;
+    let sine = match boundary {
+        Boundary::Crease(triangles) => {
+            let at = |v: u32| geometry.positions[v as usize].as_dvec3();
+            let [na, nb] = triangles.map(|t| {
+                let [p, q, r] = t.map(at);
+                (q - p).cross(r - p).normalize()
+            });
+            na.cross(nb).length()
+        }
+        _ => 1.0,
+    };
+    CLEAR * f64::from(OFFSET) * room / sine
 }
 
 /// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart
@@ -56,6 +74,7 @@ pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
 /// A point of a surface from which rays leave.
 pub struct SurfacePoint {
     pub x: Vec3,
+    /// Unit normal of its triangle, on the side that is seen.
     pub geometric: Vec3,
     /// The triangle it lies on.
     pub triangle: u32,
@@ -73,9 +92,11 @@ pub struct OccluderEnd {
 
 impl SurfacePoint {
     pub fn of_lane(at: &At, lane: usize) -> Self {
+        let geometric = lane_of(at.surface.geometric, lane);
+        let direction = lane_of(at.vertices.direction, lane);
         Self {
             x: lane_of(at.surface.x, lane),
-            geometric: lane_of(at.surface.geometric, lane),
+            geometric: geometric * -geometric.dot(direction).signum(),
             triangle: at.vertices.triangle[lane],
         }
     }

@@ -16,6 +16,7 @@
 
 use crate::adjoint::silhouette::{crease_side_adjoint, edge_side_adjoint};
 use crate::kernels::silhouette::{crease_side, edge_side};
+use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Real, V3};
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
@@ -83,11 +84,16 @@ impl Boundary {
         }
     }
 
-    /// The point of an edge that is seen from `o` along `d`, or its end next to that; `None` for other
-    /// boundaries.
+    /// The point of an edge that is seen from `o` along `d`, or its end next to that, or that of a
+    /// crease; `None` for other boundaries.
     pub fn seen_along(&self, geometry: &Geometry, o: DVec3, d: DVec3) -> Option<DVec3> {
-        let Boundary::Edge(edge) = self else {
-            return None;
+        let edge = match *self {
+            Boundary::Edge(edge) => edge,
+            Boundary::Crease([a, _]) => {
+                let [p, q, r] = a.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+                return Some(dvec3(triangle_point(vector(o), vector(d), p, q, r)));
+            }
+            _ => return None,
         };
         let [a, b] = edge.map(|v| geometry.positions[v as usize].as_dvec3() - o);
         // Across d, in the plane of the edge and o.

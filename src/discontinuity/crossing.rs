@@ -50,6 +50,12 @@ impl Crossing {
         seen[0] == seen[1] && !matches!(self.boundary, Boundary::TextureEdge { .. })
     }
 
+    /// Whether what starts right beside it may start on the other side of what lies there: rays start
+    /// a little off surfaces, and there two of them are nearer to each other than that.
+    pub fn is_tight(&self) -> bool {
+        self.kind == Kind::ThinSilhouette || matches!(self.boundary, Boundary::Crease(_))
+    }
+
     /// Whether something ends there.
     pub fn is_silhouette(&self) -> bool {
         matches!(self.kind, Kind::Silhouette | Kind::ThinSilhouette)

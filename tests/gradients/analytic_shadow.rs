@@ -35,11 +35,16 @@ fn derivative(f: impl Fn(f64) -> f64) -> f64 {
     (f(h) - f(-h)) / (2.0 * h)
 }
 
-/// A floor around the origin, seen from the side.
-fn floor_point() -> Scene {
+/// A floor around the origin, seen from the side, whose triangles are wound to be seen from above or
+/// from below.
+fn floor_point(from_above: bool) -> Scene {
+    let (positions, mut triangles) = floor(20.0, 0.0);
+    if !from_above {
+        triangles.iter_mut().for_each(|t| t.reverse());
+    }
     scene(vec3(-3.0, -0.3, 0.6), Vec3::ZERO, 0.05, [4, 4], BOX).solid(
         "floor",
-        floor(20.0, 0.0),
+        (positions, triangles),
         [RHO; 3],
     )
 }
@@ -88,22 +93,34 @@ fn circle(corners: u32, radius: f64, z: f64) -> Vec<DVec3> {
     (0..corners).map(corner).collect()
 }
 
+const CORNERS: u32 = 24;
+
+fn blocker() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    disc(vec3(0.0, 0.0, 1.0), Vec3::NEG_Z, 0.2, CORNERS)
+}
+
 /// A disc that hides the middle of a larger square light.
 #[test]
 fn disc_blocker() {
-    const CORNERS: u32 = 24;
-    let blocker = disc(vec3(0.0, 0.0, 1.0), Vec3::NEG_Z, 0.2, CORNERS);
-    let scene = floor_point().solid("blocker", blocker, [0.0; 3]).light(
-        "lamp",
-        ceiling(vec3(0.0, 0.0, 2.0), 0.8),
-        [LIGHT; 3],
-    );
     let hidden = |d: f64| -lambert(&circle(CORNERS, 0.4 * (1.0 + d), 2.0));
-    agrees(
-        &scene,
-        &[("blocker.scale", &[1.0])],
-        256,
-        derivative(hidden),
-        true,
-    );
+    for from_above in [true, false] {
+        let scene = floor_point(from_above)
+            .solid("blocker", blocker(), [0.0; 3])
+            .light("lamp", ceiling(vec3(0.0, 0.0, 2.0), 0.8), [LIGHT; 3]);
+        let along: [(&str, &[f32]); 1] = [("blocker.scale", &[1.0])];
+        agrees(&scene, &along, 256, derivative(hidden), true);
+    }
+}
+
+/// A disc before a sky.
+#[test]
+fn disc_before_the_sky() {
+    let hidden = |d: f64| -lambert(&circle(CORNERS, 0.2 * (1.0 + d), 1.0));
+    for from_above in [true, false] {
+        let scene = floor_point(from_above)
+            .solid("blocker", blocker(), [0.0; 3])
+            .constant_environment([LIGHT; 3]);
+        let along: [(&str, &[f32]); 1] = [("blocker.scale", &[1.0])];
+        agrees(&scene, &along, 256, derivative(hidden), true);
+    }
 }

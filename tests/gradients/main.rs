@@ -1,5 +1,6 @@
 //! Gradients of whole images: against closed forms, finite differences, and each other.
 
+mod analytic_crease;
 mod analytic_edge;
 mod analytic_irradiance;
 mod analytic_shadow;

@@ -2,10 +2,9 @@
 
 use super::follow::{FirstRays, Followed};
 use super::search::{Border, ChainSearch, Way};
-use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint};
+use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, clear_of};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
-use crate::paths::rays::OFFSET;
 use glam::Vec3;
 
 /// Steps toward a border along a chain.
@@ -132,18 +131,23 @@ impl<R: FirstRays> ChainSearch<'_, R> {
 
     /// How far beside a border to look: as near as single precision lets.
     fn beside(&self, at: &Followed, crossing: &Crossing, slope: f64) -> f64 {
-        let Boundary::Edge(edge) = crossing.boundary else {
+        let geometry = self.scene.view.geometry;
+        let Followed {
+            origin, direction, ..
+        } = *at;
+        let boundary = &crossing.boundary;
+        let Some(point) = boundary.seen_along(geometry, origin, direction) else {
             return PROBE;
         };
-        let [p, q] = edge.map(|v| self.scene.view.geometry.positions[v as usize].as_dvec3());
-        let point = p.midpoint(q);
-        let room = point.abs().max_element() + 1.0;
-        let distance = if crossing.kind == Kind::ThinSilhouette {
-            10.0 * f64::from(OFFSET) * room
+        let away = point.distance(origin);
+        let distance = if crossing.is_tight() {
+            clear_of(geometry, boundary, point)
         } else {
-            NEAREST * (room + point.distance(at.origin))
+            NEAREST * (point.abs().max_element() + 1.0 + away)
         };
-        let per_distance = at.direction.cross(q - p).length();
+        // F is c·d, and c stands on d.
+        let c = boundary.normal(geometry, origin);
+        let per_distance = c.length() * direction.length() / away;
         (distance * per_distance / slope.abs()).min(PROBE)
     }
 }

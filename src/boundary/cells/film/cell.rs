@@ -6,7 +6,7 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::between;
 use crate::discontinuity::boundary::{Boundary, dvec3};
-use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::discontinuity::crossing::Crossing;
 use crate::paths::counts::Counts;
 use crate::paths::estimator::FilmTile;
 use crate::paths::moving::Sector;
@@ -233,7 +233,7 @@ impl Cell for FilmCell<'_> {
         let direction = self.direction(crossing.s);
         let [angle, _] = probe_angle(view.geometry, crossing, origin, direction);
         let angle_per_pixel = self.angle_per_pixel(direction);
-        let most = if crossing.kind == Kind::ThinSilhouette {
+        let most = if crossing.is_tight() {
             MOST_PROBE * self.cells.film.tile.step[self.line.axis]
         } else {
             self.most_pixels()
