@@ -128,9 +128,13 @@ fn lines(summary: &Summary) -> Vec<String> {
         lines.push(format!("{view}, held out: PSNR {psnr:.2} dB"));
     }
     if summary.own_steps > 0 {
+        let [setup, steps, results] = summary.spent;
         lines.push(format!(
-            "{:.2} steps/s",
-            summary.own_steps as f64 / summary.loop_seconds
+            "{:.2} steps/s; {:.1} s of processor time for set-up, {:.1} s for steps, {:.1} s for results",
+            summary.own_steps as f64 / steps.wall_seconds,
+            setup.processor_seconds,
+            steps.processor_seconds,
+            results.processor_seconds
         ));
     }
     lines
@@ -159,7 +163,8 @@ fn report(
         "threads": options.threads,
         "steps": summary.steps,
         "steps_of_this_process": summary.own_steps,
-        "steps_per_second": summary.own_steps as f64 / summary.loop_seconds,
+        "steps_per_second": summary.own_steps as f64 / summary.spent[1].wall_seconds,
+        "spent": { "setup": summary.spent[0], "steps": summary.spent[1], "results": summary.spent[2] },
         "ended": summary.ended,
         "refused": summary.refused,
         "first": summary.first,
