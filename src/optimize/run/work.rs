@@ -80,6 +80,9 @@ pub struct Summary {
     pub ended: Option<String>,
     pub first: Option<Record>,
     pub last: Option<Record>,
+    /// Steps in which each view comes once, and the mean loss of the first and the last so many.
+    pub round: u64,
+    pub round_losses: [Option<f64>; 2],
     /// Steps that were refused.
     pub refused: u64,
     pub errors: Vec<ParameterError>,
@@ -94,6 +97,8 @@ pub struct Summary {
     pub warnings: Vec<String>,
     pub files: Vec<String>,
     pub scene_hash: u64,
+    /// On meshes and on views that were held out, for people.
+    pub known: Vec<String>,
     /// PSNR in decibels of views that were held out, by name.
     pub held_out: Vec<(String, f64)>,
 }
@@ -170,13 +175,23 @@ fn whole(
         watch.warn(warning);
     }
     let results = meter.part();
+    let views = problem.views.len() as u64;
+    let batch = problem.config.views.batch.unwrap_or(views).min(views);
+    let round = views.div_ceil(batch);
+    let most = state.history.len().min(round as usize);
     statistics.spend("results", results.wall_seconds);
     Ok(Summary {
         steps: state.step,
         ended: state.ended.clone(),
         first: state.history.first().cloned(),
         last: state.history.last().cloned(),
+        round,
+        round_losses: [
+            mean_loss(&state.history[..most]),
+            mean_loss(&state.history[state.history.len() - most..]),
+        ],
         refused: state.history.iter().filter(|r| r.refused).count() as u64,
+        known: written.known(),
         errors: written.errors,
         distances: written.distances,
         statistics,
@@ -192,6 +207,12 @@ fn whole(
         scene_hash: problem.base.scene.hash,
         held_out: written.held_out,
     })
+}
+
+/// Of some steps, whose views differ from one to the next.
+fn mean_loss(records: &[Record]) -> Option<f64> {
+    let losses: Vec<f64> = records.iter().filter_map(|r| r.loss).collect();
+    (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
 }
 
 /// The scene, the views and the state to begin with, and the folder to write into.

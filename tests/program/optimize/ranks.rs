@@ -61,7 +61,7 @@ mod by_mpirun {
     use std::os::unix::process::CommandExt;
     use std::process::Child;
     use std::time::{Duration, Instant};
-    use tempfile::NamedTempFile;
+    use tempfile::{NamedTempFile, TempDir};
 
     /// More units than processes, and no multiple of three.
     const SHARES: &str = "render.shares=4";
@@ -74,19 +74,28 @@ mod by_mpirun {
     struct Run {
         child: Child,
         said: NamedTempFile,
+        _session: TempDir,
     }
 
     impl Run {
         fn start(mut command: Command) -> Self {
             let said = NamedTempFile::new().unwrap();
+            // Open MPI has one folder for all that a user runs at a time: two that begin together
+            // may both try to make it, and the one that ends first takes it away.
+            let session = tempfile::tempdir().unwrap();
             let child = command
+                .env("TMPDIR", session.path())
                 .process_group(0)
                 .stdin(Stdio::null())
                 .stdout(Stdio::null())
                 .stderr(said.reopen().unwrap())
                 .spawn()
                 .unwrap();
-            Self { child, said }
+            Self {
+                child,
+                said,
+                _session: session,
+            }
         }
 
         fn said(&self) -> String {
