@@ -14,6 +14,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "scenes" / "optimize"
+# Texels along the sides of a patch of the texture.
+PATCH = 32
 
 
 def icosphere(subdivisions):
@@ -42,24 +44,36 @@ def icosphere(subdivisions):
     return np.array(points), np.array(faces)
 
 
-def globe(rings, sectors):
-    """A sphere of latitudes with texture coordinates; its seam and its poles are several vertices."""
+def cubed_sphere(cells):
+    """A sphere of six square patches with texture coordinates: triangles are nearly even. Along seams
+    there are two vertices at one place. Patches are three by two in the texture, and keep half a
+    texel of PATCH away from their neighbours."""
     points, uvs, faces = [], [], []
-    for r in range(rings + 1):
-        for s in range(sectors + 1):
-            a, b = np.pi * r / rings, 2 * np.pi * (s % sectors) / sectors
-            ring = np.sin(a) if 0 < r < rings else 0.0
-            points.append((ring * np.cos(b), ring * np.sin(b), np.cos(a)))
-            uvs.append((s / sectors, r / rings))
-    at = lambda r, s: r * (sectors + 1) + s
-    for r in range(rings):
-        for s in range(sectors):
-            a, b, c, d = at(r, s), at(r + 1, s), at(r + 1, s + 1), at(r, s + 1)
-            if r > 0:
-                faces.append((a, b, d))
-            if r < rings - 1:
-                faces.append((d, b, c))
+    for patch in range(6):
+        first = len(points)
+        for i in range(cells + 1):
+            for j in range(cells + 1):
+                s, t = i / cells, j / cells
+                points.append(on_patch(patch, s, t))
+                inside = [(0.5 + (PATCH - 1) * c) / PATCH for c in (s, t)]
+                uvs.append(((patch % 3 + inside[0]) / 3, (patch // 3 + inside[1]) / 2))
+        at = lambda i, j: first + i * (cells + 1) + j
+        for i in range(cells):
+            for j in range(cells):
+                a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+                faces += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(a, b, d), (b, c, d)]
     return np.array(points), np.array(uvs), np.array(faces)
+
+
+def on_patch(patch, s, t):
+    """A point of the unit sphere; equal steps of s and t are equal angles."""
+    axis, side = patch // 2, 1 - 2 * (patch % 2)
+    p = np.zeros(3)
+    # The order of the other two axes keeps triangles facing outwards.
+    p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3] = (
+        side, side * np.tan(np.pi / 4 * (2 * s - 1)), np.tan(np.pi / 4 * (2 * t - 1)))
+    # Places on seams are the same number from either patch.
+    return (p / np.linalg.norm(p)).round(12)
 
 
 def dented(points):
@@ -97,11 +111,18 @@ def write_png(path, image):
                      + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
-def stripes(width, height):
-    u, v = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
-    waves = [0.5 + 0.35 * np.sin(2 * np.pi * (4 * u + phase) + 3 * np.cos(6 * np.pi * v))
-             for phase in (0, 0.33, 0.66)]
-    return (255 * np.stack(waves, axis=-1)).round().astype(np.uint8)
+def stripes():
+    """Waves over the sphere, as the texture of cubed_sphere has them."""
+    image = np.zeros((2 * PATCH, 3 * PATCH, 3), np.uint8)
+    for patch in range(6):
+        for i in range(PATCH):
+            for j in range(PATCH):
+                x, y, z = on_patch(patch, i / (PATCH - 1), j / (PATCH - 1))
+                colour = [0.5 + 0.35 * np.sin(5 * x + 3 * np.cos(4 * y + phase) + 4 * z + phase)
+                          for phase in (0, 2, 4)]
+                row = patch // 3 * PATCH + j
+                image[row, patch % 3 * PATCH + i] = np.round(255 * np.array(colour))
+    return image
 
 
 def cameras(path, count, distance):
@@ -129,11 +150,11 @@ def main():
     write_ply(meshes / "ball.ply", points, faces)
     points, faces = icosphere(4)
     write_ply(meshes / "dented.ply", dented(points), faces)
-    points, uvs, faces = globe(24, 48)
-    write_ply(meshes / "globe.ply", points, faces, uvs)
-    write_ply(meshes / "dented_globe.ply", dented(points), faces, uvs)
-    write_png(FOLDER / "stripes.png", stripes(64, 32))
-    write_png(FOLDER / "grey.png", np.full((32, 64, 3), 128, np.uint8))
+    points, uvs, faces = cubed_sphere(16)
+    write_ply(meshes / "cubed.ply", points, faces, uvs)
+    write_ply(meshes / "dented_cubed.ply", dented(points), faces, uvs)
+    write_png(FOLDER / "stripes.png", stripes())
+    write_png(FOLDER / "grey.png", np.full((2 * PATCH, 3 * PATCH, 3), 128, np.uint8))
     cameras(FOLDER / "cameras.json", 20, 4.2)
     # The star of the paper's scenes, halfway to a ball.
     star = (ROOT / "scenes/paper/meshes/star.ply").read_bytes()

@@ -95,16 +95,19 @@ fn directory(arguments: &OptimizeArguments) -> PathBuf {
 fn lines(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     let shown = |loss: Option<f64>| loss.map_or("not finite".into(), |v| format!("{v:.4e}"));
-    if let (Some(first), Some(last)) = (&summary.first, &summary.last) {
-        lines.push(format!(
-            "{} steps: the loss went from {} to {}{}",
-            summary.steps,
-            shown(first.loss),
-            shown(last.loss),
-            last.error
-                .map_or(String::new(), |error| format!(" ± {error:.1e}")),
-        ));
-    }
+    let [first, last] = summary.round_losses;
+    let error = summary.last.as_ref().and_then(|last| last.error);
+    let by = match (summary.round, error) {
+        (1, Some(error)) => format!(" ± {error:.1e}"),
+        (1, None) => String::new(),
+        (steps, _) => format!(", means of the {steps} steps that see each view once"),
+    };
+    lines.push(format!(
+        "{} steps: the loss went from {} to {}{by}",
+        summary.steps,
+        shown(first),
+        shown(last)
+    ));
     if let Some(why) = &summary.ended {
         lines.push(format!("ended before the last step: {why}"));
     }
@@ -114,23 +117,15 @@ fn lines(summary: &Summary) -> Vec<String> {
             error.key, error.end, error.start
         ));
     }
-    for distance in &summary.distances {
-        lines.push(format!(
-            "{}: chamfer distance {:.3e}, normals {:.1}° off; {:.3e}, {:.1}° at the start",
-            distance.mesh,
-            distance.chamfer_end,
-            distance.normal_error_end_deg,
-            distance.chamfer_start,
-            distance.normal_error_start_deg
-        ));
-    }
-    for (view, psnr) in &summary.held_out {
-        lines.push(format!("{view}, held out: PSNR {psnr:.2} dB"));
-    }
+    lines.extend(summary.known.iter().cloned());
     if summary.own_steps > 0 {
+        let [setup, steps, results] = summary.spent;
         lines.push(format!(
-            "{:.2} steps/s",
-            summary.own_steps as f64 / summary.loop_seconds
+            "{:.2} steps/s; {:.1} s of processor time for set-up, {:.1} s for steps, {:.1} s for results",
+            summary.own_steps as f64 / steps.wall_seconds,
+            setup.processor_seconds,
+            steps.processor_seconds,
+            results.processor_seconds
         ));
     }
     lines
@@ -159,11 +154,14 @@ fn report(
         "threads": options.threads,
         "steps": summary.steps,
         "steps_of_this_process": summary.own_steps,
-        "steps_per_second": summary.own_steps as f64 / summary.loop_seconds,
+        "steps_per_second": summary.own_steps as f64 / summary.spent[1].wall_seconds,
+        "spent": { "setup": summary.spent[0], "steps": summary.spent[1], "results": summary.spent[2] },
         "ended": summary.ended,
         "refused": summary.refused,
         "first": summary.first,
         "last": summary.last,
+        "steps_of_a_round": summary.round,
+        "mean_loss_of_round": { "first": summary.round_losses[0], "last": summary.round_losses[1] },
         "parameter_errors": summary.errors,
         "mesh_distances": summary.distances,
         "held_out_psnr_db": summary.held_out.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),

@@ -14,7 +14,7 @@ pub use render::{Adaptive, RenderSettings};
 pub use schedule::{How, Schedule};
 pub use views::{Cameras, MaskFrom, Order, Truth, ViewSettings, ViewsSettings};
 
-use crate::jobs::config::document::{self, Node, Value};
+use crate::jobs::config::document::{self, Node};
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::output::FileError;
@@ -98,7 +98,7 @@ fn of_document(root: &Node, file: &Path, hash: u64) -> Result<Config, Failure> {
         file: file.into(),
         hash,
         scene: folder.join(scene),
-        defines: defines(&table)?,
+        defines: table.defines("defines")?,
         steps: steps.ok_or_else(|| table.error("steps", "it is missing; write steps = 100"))?,
         seed: table.count("seed", 0, u64::MAX >> 1)?.unwrap_or(0),
         render: render::read(&table)?,
@@ -112,25 +112,6 @@ fn of_document(root: &Node, file: &Path, hash: u64) -> Result<Config, Failure> {
     };
     table.finish()?;
     Ok(config)
-}
-
-/// The `$name`s of a scene.
-fn defines(table: &Table) -> Result<Vec<(String, String)>, Failure> {
-    let Some(inner) = table.table("defines")? else {
-        return Ok(Vec::new());
-    };
-    let mut defines = Vec::new();
-    for key in inner.keys() {
-        let text = match inner.node(key).map(|node| &node.value) {
-            Some(Value::Text(text)) => text.clone(),
-            Some(Value::Whole(whole)) => whole.to_string(),
-            Some(Value::Number(number)) => number.to_string(),
-            Some(Value::Truth(truth)) => truth.to_string(),
-            _ => return Err(inner.error(key, "write a text, a number, true or false")),
-        };
-        defines.push((key.to_string(), text));
-    }
-    Ok(defines)
 }
 
 fn stop(table: &Table) -> Result<Stop, Failure> {

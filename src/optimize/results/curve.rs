@@ -28,7 +28,10 @@ fn csv(problem: &Problem, history: &[Record]) -> String {
     );
     for variable in &problem.variables {
         let key = &variable.parameter.key;
-        let _ = write!(text, ",gradient_squared {key},gradient_variance {key}");
+        let _ = write!(
+            text,
+            ",gradient_squared {key},gradient_variance {key},off_truth {key}"
+        );
     }
     text.push('\n');
     let shown = |number: Option<f64>| number.map_or(String::new(), |n| format!("{n:.9e}"));
@@ -51,8 +54,8 @@ fn csv(problem: &Problem, history: &[Record]) -> String {
             r.inverted,
             u8::from(r.refused),
         );
-        for (signal, noise) in r.signal.iter().zip(&r.noise) {
-            let _ = write!(text, ",{signal:.9e},{noise:.9e}");
+        for ((signal, noise), off) in r.signal.iter().zip(&r.noise).zip(&r.off_truth) {
+            let _ = write!(text, ",{signal:.9e},{noise:.9e},{}", shown(*off));
         }
         text.push('\n');
     }

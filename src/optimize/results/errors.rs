@@ -1,7 +1,7 @@
 //! How far parameters are from a scene that is known.
 
 use crate::optimize::problem::Problem;
-use crate::optimize::problem::variable::present;
+use crate::optimize::problem::variable::{Variable, present};
 use crate::optimize::run::state::State;
 use crate::scene::parameters;
 use serde::Serialize;
@@ -13,22 +13,20 @@ pub struct ParameterError {
     /// Root mean squares of the differences of its numbers: at the start, and now.
     pub start: f64,
     pub end: f64,
-    /// The largest difference now.
+    /// The median and the largest difference now. Texels that no pixel sees are far off, and weigh
+    /// in a mean of squares.
+    pub median: f64,
     pub largest: f64,
 }
 
 /// Of all parameters that the known scene has too, with as many numbers.
 pub fn all(problem: &Problem, state: &State) -> Vec<ParameterError> {
-    let Some(truth) = &problem.truth else {
-        return Vec::new();
-    };
     let values = state.values(problem);
     let mut errors = Vec::new();
     for (variable, values) in problem.variables.iter().zip(values) {
-        let Ok(parameter) = parameters::find(truth, &variable.parameter.key) else {
+        let Some(wanted) = wanted(problem, variable) else {
             continue;
         };
-        let wanted = present(truth, &parameter);
         let Ok(start) = variable.start(&problem.base.scene) else {
             continue;
         };
@@ -36,15 +34,38 @@ pub fn all(problem: &Problem, state: &State) -> Vec<ParameterError> {
             continue;
         }
         let values: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
-        let largest = values.iter().zip(&wanted).map(|(a, b)| (a - b).abs());
+        let pairs = values.iter().zip(&wanted);
+        let mut differences: Vec<f64> = pairs.map(|(a, b)| (a - b).abs()).collect();
+        differences.sort_by(f64::total_cmp);
         errors.push(ParameterError {
             key: variable.parameter.key.clone(),
             start: distance(&start, &wanted),
             end: distance(&values, &wanted),
-            largest: largest.fold(0.0, f64::max),
+            median: differences.get(values.len() / 2).copied().unwrap_or(0.0),
+            largest: differences.last().copied().unwrap_or(0.0),
         });
     }
     errors
+}
+
+/// By variable, the root mean square of the differences of its values from the known scene's; none
+/// where that has no such parameter or one of other numbers.
+pub fn now(problem: &Problem, values: &[Vec<f32>]) -> Vec<Option<f64>> {
+    let pairs = problem.variables.iter().zip(values);
+    pairs
+        .map(|(variable, values)| {
+            let wanted = wanted(problem, variable).filter(|w| w.len() == values.len())?;
+            let values: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+            Some(distance(&values, &wanted))
+        })
+        .collect()
+}
+
+/// A parameter's numbers in the known scene.
+fn wanted(problem: &Problem, variable: &Variable) -> Option<Vec<f64>> {
+    let truth = problem.truth.as_ref()?;
+    let parameter = parameters::find(truth, &variable.parameter.key).ok()?;
+    Some(present(truth, &parameter))
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

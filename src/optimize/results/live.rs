@@ -66,7 +66,7 @@ impl Live {
             });
         }
         let errors = errors::all(problem, state);
-        let html = page::html(problem, state, &figures, &errors, true);
+        let html = page::html(problem, state, &figures, &errors, &[], true);
         atomic::write(&self.directory.join("index.html"), |file| {
             file.write_all(html.as_bytes())
         })?;

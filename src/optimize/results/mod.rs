@@ -40,6 +40,26 @@ pub struct Written {
     pub held_out: Vec<(String, f64)>,
 }
 
+impl Written {
+    /// What is known of meshes and of views that were held out, for people.
+    pub fn known(&self) -> Vec<String> {
+        let meshes = self.distances.iter().map(|distance| {
+            format!(
+                "{}: chamfer distance {:.3e}, normals {:.1}° off; {:.3e}, {:.1}° at the start",
+                distance.mesh,
+                distance.chamfer_end,
+                distance.normal_error_end_deg,
+                distance.chamfer_start,
+                distance.normal_error_start_deg
+            )
+        });
+        let views = self.held_out.iter();
+        meshes
+            .chain(views.map(|(view, psnr)| format!("{view}, held out: PSNR {psnr:.2} dB")))
+            .collect()
+    }
+}
+
 /// Writes everything that the end of a run has to show.
 pub fn finish(
     directory: &Path,
@@ -83,7 +103,8 @@ pub fn finish(
             mesh(directory, problem, own, progress, &mut out, &mut figures)?;
         }
     }
-    let html = page::html(problem, state, &figures, &out.errors, false);
+    let known = out.known();
+    let html = page::html(problem, state, &figures, &out.errors, &known, false);
     write(directory, "index.html", html.as_bytes(), &mut out)?;
     Ok(out)
 }

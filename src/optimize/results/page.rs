@@ -34,12 +34,13 @@ figure{margin:.8rem 0}figcaption{color:var(--dim);font-size:.9rem}
 th,td{text-align:left;white-space:nowrap;padding:.25rem .8rem .25rem 0;border-bottom:1px solid var(--line)}
 progress{width:100%}";
 
-/// The page.
+/// The page. `known` are lines on meshes and views whose truth is known.
 pub fn html(
     problem: &Problem,
     state: &State,
     figures: &[Figure],
     errors: &[ParameterError],
+    known: &[String],
     is_running: bool,
 ) -> String {
     let config = &problem.config;
@@ -78,6 +79,9 @@ pub fn html(
     text.push_str(&curve::svg(&state.history));
     text.push_str("</div>");
     table(problem, state, errors, &mut text);
+    for line in known {
+        let _ = write!(text, "<p>{}</p>", escaped(line));
+    }
     if !figures.is_empty() {
         text.push_str("<h2>Pictures</h2>");
     }

@@ -7,6 +7,7 @@ use super::stop;
 use crate::jobs::failure::Failure;
 use crate::methods::Progress;
 use crate::optimize::problem::Problem;
+use crate::optimize::results::errors;
 use crate::optimize::shape::watch;
 use crate::optimize::step::{Evaluation, Look, Ranks, Sampling, evaluate};
 use std::time::Instant;
@@ -30,6 +31,7 @@ pub fn advance(
     let mut found = evaluate(problem, &values, &looks, &sampling, ranks, progress)?;
     let start = Instant::now();
     let mut record = record(problem, &found, &sampling, views);
+    record.off_truth = errors::now(problem, &values);
     let gradients: Vec<Vec<f64>> = (problem.variables.iter().zip(&state.latents))
         .zip(&found.gradients)
         .map(|((variable, latent), gradient)| variable.pull_back(latent, gradient))
@@ -112,6 +114,7 @@ fn record(problem: &Problem, found: &Evaluation, sampling: &Sampling, views: Vec
         downscale: problem.downscale(sampling.step) as u32,
         signal: pairs.map(|(g, noise)| finite(length(g) - noise)).collect(),
         noise: noise.into_iter().map(finite).collect(),
+        off_truth: Vec::new(),
         views,
         held: 0,
         shortened: 0,

@@ -5,6 +5,7 @@ use super::checkpoint;
 use super::record::Record;
 use super::state::State;
 use crate::jobs::failure::Failure;
+use crate::jobs::machine;
 use crate::methods::{EngineError, Progress, Statistics, Workers};
 use crate::optimize::config::Config;
 use crate::optimize::problem::{Machine, Problem};
@@ -14,6 +15,7 @@ use crate::optimize::results::geometry::Distance;
 use crate::optimize::step::{Ranks, outcome};
 use crate::output::atomic;
 use crate::trace::Backend;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -40,25 +42,63 @@ pub trait Watch: Sync {
     fn signal(&self) -> Option<u8>;
 }
 
+/// What a part of a run took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spent {
+    pub wall_seconds: f64,
+    /// Of all cores together.
+    pub processor_seconds: f64,
+}
+
+/// Tells what the parts of a run take, one after another.
+struct Meter {
+    wall: Instant,
+    processor: f64,
+}
+
+impl Meter {
+    fn start() -> Self {
+        Self {
+            wall: Instant::now(),
+            processor: machine::fine_processor_seconds(),
+        }
+    }
+
+    /// What was spent since the start or the last call.
+    fn part(&mut self) -> Spent {
+        let before = std::mem::replace(self, Self::start());
+        Spent {
+            wall_seconds: (self.wall - before.wall).as_secs_f64(),
+            processor_seconds: self.processor - before.processor,
+        }
+    }
+}
+
 /// What a run came to.
 pub struct Summary {
     pub steps: u64,
     pub ended: Option<String>,
     pub first: Option<Record>,
     pub last: Option<Record>,
+    /// Steps in which each view comes once, and the mean loss of the first and the last so many.
+    pub round: u64,
+    pub round_losses: [Option<f64>; 2],
     /// Steps that were refused.
     pub refused: u64,
     pub errors: Vec<ParameterError>,
     /// Of meshes whose truth is known.
     pub distances: Vec<Distance>,
     pub statistics: Statistics,
-    /// Of the loop alone.
-    pub loop_seconds: f64,
+    /// Of scene, views and structures, which are paid for once; of the loop over steps; of the
+    /// results in the end.
+    pub spent: [Spent; 3],
     /// Steps made by this process.
     pub own_steps: u64,
     pub warnings: Vec<String>,
     pub files: Vec<String>,
     pub scene_hash: u64,
+    /// On meshes and on views that were held out, for people.
+    pub known: Vec<String>,
     /// PSNR in decibels of views that were held out, by name.
     pub held_out: Vec<(String, f64)>,
 }
@@ -94,6 +134,7 @@ fn whole(
     watch: &dyn Watch,
 ) -> Result<Summary, Failure> {
     let progress = Quiet(watch);
+    let mut meter = Meter::start();
     let loaded = load(config, options, ranks, &progress);
     ranks.agree(outcome(&loaded), &|| {
         loaded.as_ref().map_or(0, |(problem, state)| {
@@ -108,7 +149,7 @@ fn whole(
         sweep(&options.directory);
     }
     watch.begin(state.step, problem.config.steps);
-    let (begun, first_step) = (Instant::now(), state.step);
+    let (setup, first_step) = (meter.part(), state.step);
     let mut statistics = Statistics::default();
     let ended = steps(
         &mut problem,
@@ -123,7 +164,7 @@ fn whole(
         results::curve::write(&options.directory, &problem, &state)?;
     }
     ended?;
-    let loop_seconds = begun.elapsed().as_secs_f64();
+    let in_loop = meter.part();
     statistics.spend("load", problem.seconds[0]);
     statistics.spend("targets", problem.seconds[1]);
     let written = match ranks.writes() {
@@ -133,17 +174,28 @@ fn whole(
     for warning in &written.warnings {
         watch.warn(warning);
     }
-    statistics.spend("results", begun.elapsed().as_secs_f64() - loop_seconds);
+    let results = meter.part();
+    let views = problem.views.len() as u64;
+    let batch = problem.config.views.batch.unwrap_or(views).min(views);
+    let round = views.div_ceil(batch);
+    let most = state.history.len().min(round as usize);
+    statistics.spend("results", results.wall_seconds);
     Ok(Summary {
         steps: state.step,
         ended: state.ended.clone(),
         first: state.history.first().cloned(),
         last: state.history.last().cloned(),
+        round,
+        round_losses: [
+            mean_loss(&state.history[..most]),
+            mean_loss(&state.history[state.history.len() - most..]),
+        ],
         refused: state.history.iter().filter(|r| r.refused).count() as u64,
+        known: written.known(),
         errors: written.errors,
         distances: written.distances,
         statistics,
-        loop_seconds,
+        spent: [setup, in_loop, results],
         own_steps: state.step - first_step,
         warnings: problem
             .warnings
@@ -155,6 +207,12 @@ fn whole(
         scene_hash: problem.base.scene.hash,
         held_out: written.held_out,
     })
+}
+
+/// Of some steps, whose views differ from one to the next.
+fn mean_loss(records: &[Record]) -> Option<f64> {
+    let losses: Vec<f64> = records.iter().filter_map(|r| r.loss).collect();
+    (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
 }
 
 /// The scene, the views and the state to begin with, and the folder to write into.

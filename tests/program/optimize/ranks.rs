@@ -58,10 +58,129 @@ mod by_mpirun {
     use crate::optimize::optimize;
     use crate::optimize::resume::same;
     use crate::workplace::signal;
+    use std::os::unix::process::CommandExt;
+    use std::process::Child;
     use std::time::{Duration, Instant};
+    use tempfile::{NamedTempFile, TempDir};
 
     /// More units than processes, and no multiple of three.
     const SHARES: &str = "render.shares=4";
+
+    /// What takes a second on an idle machine has not hung before this.
+    const LONGEST: Duration = Duration::from_secs(120);
+
+    /// An `mpirun` with what it has started: one group of processes, which ends with this. They
+    /// write to files: a process that outlives `mpirun` would hold a pipe open for ever.
+    struct Run {
+        child: Child,
+        said: NamedTempFile,
+        _session: TempDir,
+    }
+
+    impl Run {
+        fn start(mut command: Command) -> Self {
+            let said = NamedTempFile::new().unwrap();
+            // Open MPI has one folder for all that a user runs at a time: two that begin together
+            // may both try to make it, and the one that ends first takes it away.
+            let session = tempfile::tempdir().unwrap();
+            let child = command
+                .env("TMPDIR", session.path())
+                .process_group(0)
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(said.reopen().unwrap())
+                .spawn()
+                .unwrap();
+            Self {
+                child,
+                said,
+                _session: session,
+            }
+        }
+
+        fn said(&self) -> String {
+            std::fs::read_to_string(self.said.path()).unwrap()
+        }
+
+        /// Waits until something is there, which has to come before it ends.
+        fn wait_for(&mut self, file: &Path) {
+            let started = Instant::now();
+            while !file.exists() {
+                assert!(
+                    started.elapsed() < LONGEST,
+                    "{file:?} not after {LONGEST:?}: {}",
+                    self.state()
+                );
+                let ended = self.child.try_wait().unwrap();
+                assert!(
+                    ended.is_none(),
+                    "{ended:?} before {file:?}: {}",
+                    self.said()
+                );
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+
+        /// Its exit code and what it said, once it has ended.
+        fn end(mut self) -> (Option<i32>, String) {
+            let started = Instant::now();
+            loop {
+                if let Some(status) = self.child.try_wait().unwrap() {
+                    return (status.code(), self.said());
+                }
+                assert!(
+                    started.elapsed() < LONGEST,
+                    "hung for {LONGEST:?}: {}",
+                    self.state()
+                );
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+
+        /// What its processes do and have said, for whoever has to find out why they hang.
+        fn state(&self) -> String {
+            let mut text = format!("it said {:?}\n", self.said());
+            for process in std::iter::once(self.child.id()).chain(children(self.child.id())) {
+                for file in ["status", "wchan", "syscall"] {
+                    let read = std::fs::read_to_string(format!("/proc/{process}/{file}"));
+                    let lines = read.unwrap_or_default();
+                    let telling = |l: &&str| {
+                        file != "status" || l.starts_with("State") || l.starts_with("Sig")
+                    };
+                    let lines: Vec<&str> = lines.lines().filter(telling).collect();
+                    text += &format!("{process} {file}: {}\n", lines.join("; "));
+                }
+            }
+            text
+        }
+    }
+
+    impl Drop for Run {
+        fn drop(&mut self) {
+            if self.child.try_wait().is_ok_and(|ended| ended.is_none()) {
+                signal_group(self.child.id());
+                let _ = self.child.wait();
+            }
+        }
+    }
+
+    /// Ends a group of processes at once.
+    fn signal_group(leader: u32) {
+        let line = format!("kill -KILL -{leader}");
+        let _ = Command::new("sh").args(["-c", &line]).status();
+    }
+
+    /// What an `mpirun` has started, by whichever of its threads.
+    fn children(mpirun: u32) -> Vec<u32> {
+        let threads = std::fs::read_dir(format!("/proc/{mpirun}/task")).unwrap();
+        let children: String = threads
+            .map(|thread| std::fs::read_to_string(thread.unwrap().path().join("children")).unwrap())
+            .collect();
+        children
+            .split_whitespace()
+            .map(|n| n.parse().unwrap())
+            .collect()
+    }
 
     fn command(at: &Path, ranks: u32, arguments: &[&str]) -> Command {
         let mut command = Command::new("mpirun");
@@ -76,20 +195,15 @@ mod by_mpirun {
                 "c.toml",
                 "-t",
                 "1",
-                "--set",
-                SHARES,
             ])
+            .args(["--set", SHARES])
             .args(arguments)
-            .current_dir(at)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
+            .current_dir(at);
         command
     }
 
     fn mpirun(at: &Path, ranks: u32, arguments: &[&str]) -> (Option<i32>, String) {
-        let out = command(at, ranks, arguments).output().unwrap();
-        (out.status.code(), text(&out.stderr))
+        Run::start(command(at, ranks, arguments)).end()
     }
 
     #[test]
@@ -121,19 +235,13 @@ mod by_mpirun {
         assert_eq!(code, Some(0), "{said}");
         for killed in [0, 1] {
             let folder = format!("killed-{killed}");
-            let child = command(at, 2, &["-o", &folder, "-q"]).spawn().unwrap();
-            let started = Instant::now();
-            while !at.join(&folder).join("checkpoint.bin").exists() {
-                assert!(started.elapsed() < Duration::from_secs(60), "no checkpoint");
-                std::thread::sleep(Duration::from_millis(5));
-            }
-            signal(process_of(child.id(), killed), "KILL");
-            let out = child.wait_with_output().unwrap();
-            assert!(!out.status.success());
+            let mut run = Run::start(command(at, 2, &["-o", &folder, "-q"]));
+            run.wait_for(&at.join(&folder).join("checkpoint.bin"));
+            signal(process_of(run.child.id(), killed), "KILL");
+            let (code, said) = run.end();
             assert!(
-                text(&out.stderr).contains("signal 9"),
-                "{}",
-                text(&out.stderr)
+                code != Some(0) && said.contains("signal 9"),
+                "{code:?} {said}"
             );
             let (code, said) = mpirun(at, 3, &["-o", &folder, "-q", "--resume"]);
             assert_eq!(code, Some(0), "{said}");
@@ -143,12 +251,7 @@ mod by_mpirun {
 
     /// The process of a rank that an `mpirun` has started.
     fn process_of(mpirun: u32, rank: u32) -> u32 {
-        // Whichever of its threads has started them.
-        let threads = std::fs::read_dir(format!("/proc/{mpirun}/task")).unwrap();
-        let children: String = threads
-            .map(|thread| std::fs::read_to_string(thread.unwrap().path().join("children")).unwrap())
-            .collect();
-        let mut numbers = children.split_whitespace().map(|n| n.parse().unwrap());
+        let mut numbers = children(mpirun).into_iter();
         let wanted = format!("OMPI_COMM_WORLD_RANK={rank}\0");
         let is_it = |process: &u32| {
             let environment = std::fs::read(format!("/proc/{process}/environ")).unwrap();
@@ -205,13 +308,10 @@ mod by_mpirun {
                 env!("CARGO_BIN_EXE_warpath"),
                 at.join(name).display(),
             );
-            let out = Command::new("sh")
-                .args(["-c", &line])
-                .current_dir(at)
-                .output()
-                .unwrap();
-            let said = text(&out.stderr);
-            assert_eq!(out.status.code(), Some(code), "{said}");
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &format!("exec {line}")]).current_dir(at);
+            let (found, said) = Run::start(shell).end();
+            assert_eq!(found, Some(code), "{said}");
             assert!(said.contains(part), "{said}");
         }
     }
@@ -224,22 +324,13 @@ mod by_mpirun {
         std::fs::write(at.join("c.toml"), long).unwrap();
         let (code, said) = optimize(at, "c.toml", &["-o", "whole", "-q", "--set", SHARES]);
         assert_eq!(code, Some(0), "{said}");
-        let child = command(at, 2, &["-o", "parts", "-q"]).spawn().unwrap();
-        let started = Instant::now();
-        while !at.join("parts/checkpoint.bin").exists() {
-            assert!(started.elapsed() < Duration::from_secs(60), "no checkpoint");
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        let mut run = Run::start(command(at, 2, &["-o", "parts", "-q"]));
+        run.wait_for(&at.join("parts/checkpoint.bin"));
         // One process alone gets it: all must end.
-        signal(process_of(child.id(), 1), "TERM");
-        let out = child.wait_with_output().unwrap();
+        signal(process_of(run.child.id(), 1), "TERM");
         // Between two steps it says which signal it was, within one only that it was interrupted.
-        let code = out.status.code();
-        assert!(
-            matches!(code, Some(130 | 143)),
-            "{code:?} {}",
-            text(&out.stderr)
-        );
+        let (code, said) = run.end();
+        assert!(matches!(code, Some(130 | 143)), "{code:?} {said}");
         let (code, said) = mpirun(at, 2, &["-o", "parts", "-q", "--resume"]);
         assert_eq!(code, Some(0), "{said}");
         same(&at.join("whole"), &at.join("parts"));
