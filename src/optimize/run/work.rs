@@ -175,10 +175,7 @@ fn whole(
         watch.warn(warning);
     }
     let results = meter.part();
-    let views = problem.views.len() as u64;
-    let batch = problem.config.views.batch.unwrap_or(views).min(views);
-    let round = views.div_ceil(batch);
-    let most = state.history.len().min(round as usize);
+    let (round, round_losses) = round(&problem, &state);
     statistics.spend("results", results.wall_seconds);
     Ok(Summary {
         steps: state.step,
@@ -186,10 +183,7 @@ fn whole(
         first: state.history.first().cloned(),
         last: state.history.last().cloned(),
         round,
-        round_losses: [
-            mean_loss(&state.history[..most]),
-            mean_loss(&state.history[state.history.len() - most..]),
-        ],
+        round_losses,
         refused: state.history.iter().filter(|r| r.refused).count() as u64,
         known: written.known(),
         errors: written.errors,
@@ -207,6 +201,17 @@ fn whole(
         scene_hash: problem.base.scene.hash,
         held_out: written.held_out,
     })
+}
+
+/// Steps in which each view comes once, and the mean loss of the first and the last so many.
+fn round(problem: &Problem, state: &State) -> (u64, [Option<f64>; 2]) {
+    let views = problem.views.len() as u64;
+    let batch = problem.config.views.batch.unwrap_or(views).min(views);
+    let round = views.div_ceil(batch);
+    let history = &state.history;
+    let most = history.len().min(round as usize);
+    let [first, last] = [&history[..most], &history[history.len() - most..]];
+    (round, [first, last].map(mean_loss))
 }
 
 /// Of some steps, whose views differ from one to the next.
