@@ -116,8 +116,7 @@ fn a_mesh_from_a_ball() {
 /// What only its shadow shows is found by the borders of visibility, and not without them.
 #[test]
 fn an_object_seen_through_its_shadow() {
-    let small = [SMALL, "steps=60"];
-    let found = of_scenes("paper/optimize_pose.toml", &small);
+    let found = of_scenes("paper/optimize_pose.toml", &[SMALL]);
     let position = |report: &serde_json::Value| {
         let all = report["parameter_errors"].as_array().unwrap().clone();
         let named = |e: &serde_json::Value| e["key"] == "obj.translation";
@@ -125,7 +124,7 @@ fn an_object_seen_through_its_shadow() {
         e["end"].as_f64().unwrap() / e["start"].as_f64().unwrap()
     };
     assert!(position(&found) < 0.1, "{}", position(&found));
-    let interior = [SMALL, "steps=60", "render.method=interior"];
+    let interior = [SMALL, "render.method=interior"];
     let without = of_scenes("paper/optimize_pose.toml", &interior);
     assert!(position(&without) > 0.9, "{}", position(&without));
 }
