@@ -3,6 +3,7 @@
 mod loss;
 mod optimizer;
 mod parameter;
+mod places;
 mod render;
 mod schedule;
 mod views;
@@ -10,6 +11,7 @@ mod views;
 pub use loss::{LossSettings, Pointwise, Silhouette};
 pub use optimizer::{Kind, OptimizerSettings};
 pub use parameter::{ParameterSettings, Remeshing, Reparameterisation, Start};
+pub use places::Places;
 pub use render::{Adaptive, RenderSettings};
 pub use schedule::{How, Schedule};
 pub use views::{Cameras, MaskFrom, Order, Truth, ViewSettings, ViewsSettings};
@@ -43,6 +45,7 @@ pub struct Config {
     pub truth: Option<Truth>,
     pub stop: Stop,
     pub output: Output,
+    pub places: Places,
 }
 
 /// When to end before the last step.
@@ -109,6 +112,7 @@ fn of_document(root: &Node, file: &Path, hash: u64) -> Result<Config, Failure> {
         views: views::read(&table, folder)?,
         stop: stop(&table)?,
         output: output(&table)?,
+        places: Places::of(root, file.display().to_string()),
     };
     table.finish()?;
     Ok(config)

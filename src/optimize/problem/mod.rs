@@ -20,6 +20,7 @@ use crate::scene::parameters::{self, Target};
 use crate::scene::{self, Normals, Scene, vertex_normals};
 use crate::trace::Backend;
 use base::SceneBase;
+use std::path::Path;
 use std::time::Instant;
 use variable::Variable;
 use view::View;
@@ -60,7 +61,7 @@ impl Problem {
         progress: &dyn Progress,
     ) -> Result<Self, Failure> {
         let begun = Instant::now();
-        let mut scene = scene::load(&config.scene, &config.defines)?;
+        let mut scene = load_scene(&config, "scene", &config.scene)?;
         let wanted = match &config.views.cameras {
             Some(found) => cameras::add(found, &mut scene, config.truth.is_some())?,
             None => view::wanted(&config, &scene)?,
@@ -81,7 +82,8 @@ impl Problem {
         let silhouette = match &config.loss.silhouette {
             None => None,
             Some(of) => {
-                let scene = silhouette::scene(&scene, of)?;
+                let scene = silhouette::scene(&scene, of)
+                    .map_err(|what| config.places.wrong("loss.silhouette.shapes", what))?;
                 Some(SceneBase::new(
                     scene,
                     &machine.workers,
@@ -176,14 +178,15 @@ impl Problem {
             && let Some(view) = self.views.iter().find(|view| view.mask.is_none())
         {
             let what = format!(
-                "loss.silhouette compares with masks, and {} has none",
+                "it compares with masks, and {} has none; give each view a mask, or take it out",
                 view.name
             );
-            return Err(Failure::Input(what));
+            return Err(self.config.places.wrong("loss.silhouette", what));
         }
         for step in 0..self.config.steps {
             for view in &self.views {
-                view::check_factor(view, &self.base.scene, self.downscale(step) as u64)?;
+                view::check_factor(view, &self.base.scene, self.downscale(step) as u64)
+                    .map_err(|what| self.config.places.wrong("render.downscale", what))?;
             }
         }
         Ok(())
@@ -240,6 +243,23 @@ impl Problem {
     }
 }
 
+/// A scene that a key names. What is wrong with the file itself has its place there.
+fn load_scene(config: &Config, key: &str, file: &Path) -> Result<Scene, Failure> {
+    if !file.exists() {
+        let what = format!("{}: there is no such file", file.display());
+        return Err(config.places.wrong(key, what));
+    }
+    scene::load(file, &config.defines).map_err(|error| {
+        let text = error.to_string();
+        // As the command line would have given it.
+        let define = text.strip_prefix("-D ").and_then(|t| t.split_once(": "));
+        match define {
+            Some((name, what)) => config.places.wrong(&format!("defines.{name}"), what),
+            None => error.into(),
+        }
+    })
+}
+
 fn settings(config: &Config, scene: &Scene, machine: &Machine) -> Result<Settings, Failure> {
     let requested = RequestedSettings {
         sensor: 0,
@@ -263,7 +283,7 @@ fn truth(config: &Config, scene: &Scene) -> Result<Option<Scene>, Failure> {
     };
     let mut found = match &truth.scene {
         None => scene.clone(),
-        Some(file) => scene::load(file, &config.defines)?,
+        Some(file) => load_scene(config, "truth.scene", file)?,
     };
     let own = std::mem::replace(&mut found.sensors, scene.sensors.clone());
     if config.views.cameras.is_none() {

@@ -3,12 +3,11 @@
 //! Its image is what these shapes cover, and through visibility it has the derivative that pulls
 //! outlines to those of the masks.
 
-use crate::jobs::failure::Failure;
 use crate::optimize::config::Silhouette;
 use crate::scene::{AreaLight, Bsdf, Integrator, Material, Scene, Texture};
 
-/// What `shapes` cover, as a scene.
-pub fn scene(scene: &Scene, silhouette: &Silhouette) -> Result<Scene, Failure> {
+/// What `shapes` cover, as a scene. The error says which of them there is not.
+pub fn scene(scene: &Scene, silhouette: &Silhouette) -> Result<Scene, String> {
     let mut out = scene.clone();
     out.textures = vec![
         Texture::constant("black".into(), [0.0; 3]),
@@ -35,10 +34,10 @@ pub fn scene(scene: &Scene, silhouette: &Silhouette) -> Result<Scene, Failure> {
     for id in &silhouette.shapes {
         let Some(mesh) = out.meshes.iter().position(|mesh| mesh.id == *id) else {
             let ids: Vec<&str> = out.meshes.iter().map(|mesh| mesh.id.as_str()).collect();
-            return Err(Failure::Input(format!(
-                "loss.silhouette.shapes: there is no shape \"{id}\"; the scene has {}",
+            return Err(format!(
+                "there is no shape \"{id}\"; the scene has {}",
                 ids.join(", ")
-            )));
+            ));
         };
         out.meshes[mesh].area_light = Some(out.area_lights.len());
         out.area_lights.push(AreaLight {

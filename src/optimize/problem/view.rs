@@ -95,7 +95,7 @@ pub fn read(
     let wrong = |what: String| Failure::Input(format!("{}: {what}", wanted.place));
     let (target, resolution) = match &wanted.target {
         Some(file) => {
-            let image = pictures::image(file)?;
+            let image = pictures::image(file).map_err(|error| wrong(error.to_string()))?;
             let own = [image.width as u32, image.height as u32];
             if let Some(size) = resolution.filter(|size| *size != own) {
                 let what = format!(
@@ -129,8 +129,12 @@ pub fn read(
     let size = [target.width, target.height];
     let mask = match (&wanted.mask, &wanted.target) {
         (None, _) => None,
-        (Some(MaskFrom::File(file)), _) => Some(pictures::mask(file, size)?),
-        (Some(MaskFrom::Alpha), Some(file)) => Some(pictures::alpha(file, size)?),
+        (Some(MaskFrom::File(file)), _) => {
+            Some(pictures::mask(file, size).map_err(|error| wrong(error.to_string()))?)
+        }
+        (Some(MaskFrom::Alpha), Some(file)) => {
+            Some(pictures::alpha(file, size).map_err(|error| wrong(error.to_string()))?)
+        }
         (Some(MaskFrom::Alpha), None) => {
             return Err(wrong(
                 "a rendered target has no alpha; take the mask out".into(),
@@ -188,7 +192,7 @@ pub fn shrunk(view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
 }
 
 /// Refuses a factor by which a view cannot be made smaller.
-pub fn check_factor(view: &View, scene: &Scene, factor: u64) -> Result<(), Failure> {
+pub fn check_factor(view: &View, scene: &Scene, factor: u64) -> Result<(), String> {
     let film = &scene.sensors[view.sensor].film;
     let [width, height] = view.size();
     let divides = [width, height]
@@ -198,14 +202,14 @@ pub fn check_factor(view: &View, scene: &Scene, factor: u64) -> Result<(), Failu
     if factor == 1 || divides && !is_cropped {
         return Ok(());
     }
-    Err(Failure::Input(match divides {
+    Err(match divides {
         true => format!(
-            "render.downscale: {} has a crop window, which cannot be made smaller",
+            "{} has a crop window, which cannot be made smaller",
             view.name
         ),
         false => format!(
-            "render.downscale: {factor} does not divide {width}x{height}, the size of {}",
+            "{factor} does not divide {width}x{height}, the size of {}",
             view.name
         ),
-    }))
+    })
 }
