@@ -92,7 +92,7 @@ const SMALL: &str = "render.resolution=[32, 32]";
 
 #[test]
 fn roughness_from_a_reflection() {
-    arrives(&of_scenes("optimize/roughness.toml", &[SMALL]), 0.1);
+    arrives(&of_scenes("optimize/roughness.toml", &[SMALL]), 0.03);
 }
 
 /// A ball becomes an object with dents and bumps.
