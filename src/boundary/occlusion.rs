@@ -74,7 +74,7 @@ pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
 /// A point of a surface from which rays leave.
 pub struct SurfacePoint {
     pub x: Vec3,
-    /// Unit normal of its triangle, on the side that is seen.
+    /// Unit normal of its triangle; where occluders are followed, on the side that is seen.
     pub geometric: Vec3,
     /// The triangle it lies on.
     pub triangle: u32,
