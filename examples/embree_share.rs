@@ -61,6 +61,7 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         .map(str::parse)
         .collect::<std::result::Result<_, _>>()?;
     let settings = Settings {
+        warp: Default::default(),
         spp,
         seed: 1,
         threads: 1,

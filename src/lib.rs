@@ -26,3 +26,4 @@ pub mod scene;
 pub mod statistics;
 pub mod study;
 pub mod trace;
+pub mod warp;

@@ -7,6 +7,7 @@ use super::number::Number;
 use super::rays::{RAYS, Workload, workloads};
 use crate::methods::{self, EngineError, Method, Progress, Settings};
 use crate::trace::{Accel, AccelOptions, Backend, MeshView, TraceError};
+use crate::warp::options::WarpOptions;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -225,6 +226,7 @@ impl Bench<'_> {
         };
         let scene = &self.case.scene;
         let settings = Settings {
+            warp: WarpOptions::default(),
             spp: GRADIENT_SPP,
             seed: 1,
             threads,

@@ -68,6 +68,7 @@ impl SearchScene<'_> {
             view: self.view,
             estimator: &Interior,
             drift: None,
+            twin: 0,
         };
         let mut store = TileStore::default();
         integrator.trace(&start, stream, index, &mut store);

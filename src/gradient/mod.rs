@@ -5,3 +5,4 @@ mod light;
 pub mod path;
 pub mod scene;
 pub mod terms;
+pub mod warp;

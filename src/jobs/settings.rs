@@ -5,6 +5,7 @@ use super::shown::counted;
 use crate::methods::{Groups, Method, Settings};
 use crate::scene::Scene;
 use crate::trace::Backend;
+use crate::warp::options::WarpOptions;
 
 /// Camera paths per pixel; more are better had from several seeds.
 pub const MOST_SAMPLES: u32 = 1 << 20;
@@ -35,6 +36,7 @@ impl RequestedSettings {
         check_sensor(scene, self.sensor)?;
         let sensor = &scene.sensors[self.sensor];
         let settings = Settings {
+            warp: WarpOptions::default(),
             spp: self.spp.unwrap_or(sensor.sample_count).max(1),
             seed: self.seed.unwrap_or(sensor.seed.into()),
             threads: self.threads,

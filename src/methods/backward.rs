@@ -4,6 +4,7 @@
 use super::clock::StageClock;
 use super::error::EngineError;
 use super::group_images::GroupImages;
+use super::moving_samples;
 use super::objective::{Evaluation, Objective, check_size, evaluate, inner_product};
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -24,6 +25,7 @@ use crate::paths::film::tile::TracedTile;
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::from_lanes;
 use crate::paths::store::TileStore;
+use crate::paths::warp::seam::Warp;
 use crate::picture::Image;
 use crate::room;
 use crate::scene::{Rgb, SceneDifferential};
@@ -110,11 +112,13 @@ fn sweep_tiles(
         view: &view,
         estimator: &*estimator,
         drift: drift.as_ref(),
+        twin: 0,
     };
     let sweep = BackwardSweep {
         view: &view,
         wanted,
         drift: drift.as_ref(),
+        filter_follows: estimator.warp().is_some_and(Warp::filter_follows),
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
     let sums = stage.own_groups();
@@ -143,11 +147,10 @@ fn sweep_tiles(
             clock.add_differentiating(start);
             scratch.give_back(tile_sums);
             stores.give_back(traced.store);
-            let mut counts = traced.counts;
-            counts.gradient_not_finite += gradient.not_finite;
-            (block, gradient, counts)
+            (block, gradient, traced.counts)
         },
         |group, (block, gradient, tile_counts)| {
+            counts.gradient_not_finite += gradient.not_finite;
             let own = (group - stage.own_groups().start) as usize;
             swept.images.add(group, &block);
             swept.sums[own].add(&gradient);
@@ -205,7 +208,8 @@ fn differentiate(
     let [x, y] = &traced.taps;
     let bars = sample_bars(traced, [x, y], adjoint, width);
     // Of the velocities of samples, each times its radiance.
-    let carried = sweep.drift.map(|_| {
+    let carries = sweep.drift.is_some() || sweep.filter_follows;
+    let carried = carries.then(|| {
         let slopes = [0, 1].map(|i| stage.filter.tile_slopes(&traced.tile, i));
         [[&slopes[0], y], [x, &slopes[1]]].map(|taps| sample_bars(traced, taps, adjoint, width))
     });
@@ -216,6 +220,18 @@ fn differentiate(
             lanes[lane] = Vec3::from(bars[place(lane)]);
         }
         if lanes.iter().any(|b| *b != Vec3::ZERO) {
+            if traced.store.samples_move() {
+                let at = |lane: usize, bars: &[Rgb]| match packet.active >> lane & 1 {
+                    1 => Vec3::from(bars[place(lane)]),
+                    _ => Vec3::ZERO,
+                };
+                let carried = carried.as_ref().map(|carried| {
+                    [0, 1].map(|i| std::array::from_fn(|lane| at(lane, &carried[i])))
+                });
+                moving_samples::backward(sweep, traced, number, (&lanes, carried), sums);
+                sums.end_term();
+                continue;
+            }
             let film_bars = sweep.add_path(
                 &traced.store,
                 number,

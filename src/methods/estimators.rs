@@ -11,18 +11,23 @@ use crate::boundary::edges::Edges;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::moving::Moving;
+use crate::scene::Film;
+use crate::warp::options::WarpOptions;
+use crate::warp::{loubet, warped_area};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 // No comments on these: what is said of them stands once, in the table.
 /// An estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 #[schemars(rename = "MethodName")]
 pub enum Method {
     #[default]
     Reparam,
     Edges,
+    Loubet,
+    WarpedArea,
     Interior,
     Fd,
 }
@@ -42,10 +47,17 @@ pub struct Estimator {
     pub way: Way,
     /// What finds the boundary terms along its paths, if anything does.
     pub boundary: Option<MakeBoundary>,
+    /// The film that it needs in place of the scene's, if it needs another.
+    pub film: Option<MakeFilm>,
 }
 
-/// Makes an estimator of boundary terms, from which triangles are neighbours and what moves.
-pub type MakeBoundary = for<'a> fn(&'a Adjacency, &'a Moving) -> Box<dyn BoundaryEstimator + 'a>;
+/// Makes an estimator of boundary terms, or what moves samples instead, from which triangles are
+/// neighbours and what moves.
+pub type MakeBoundary =
+    for<'a> fn(&'a Adjacency, &'a Moving, &'a WarpOptions) -> Box<dyn BoundaryEstimator + 'a>;
+
+/// Changes a film, or says why it cannot be used.
+pub type MakeFilm = fn(&WarpOptions, Film) -> Result<Film, String>;
 
 /// What becomes of the discontinuities that parameters move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +93,8 @@ pub enum Discontinuity {
     MirroredShadow,
     /// Shadows of delta lights on surfaces that are made of several materials.
     SharpShadowOnBlend,
+    /// What is seen in rough glass, in materials of several layers, and in brushed ones.
+    InLayers,
     /// Lines in which surfaces pass through one another.
     Intersection,
     /// Where a texture jumps.
@@ -99,7 +113,7 @@ pub enum Way {
 }
 
 /// All methods, the usual one first.
-pub const ESTIMATORS: [Estimator; 4] = [
+pub const ESTIMATORS: [Estimator; 6] = [
     Estimator {
         method: Method::Reparam,
         name: "reparam",
@@ -108,6 +122,7 @@ pub const ESTIMATORS: [Estimator; 4] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
+            Discontinuity::InLayers,
             Discontinuity::Intersection,
             Discontinuity::TextureEdge,
             Discontinuity::SharpShadow,
@@ -115,7 +130,8 @@ pub const ESTIMATORS: [Estimator; 4] = [
             Discontinuity::BehindNull,
         ]),
         way: Way::Paths,
-        boundary: Some(|adjacency, moving| Box::new(Cells::new(adjacency, moving))),
+        boundary: Some(|adjacency, moving, _| Box::new(Cells::new(adjacency, moving))),
+        film: None,
     },
     Estimator {
         method: Method::Edges,
@@ -125,9 +141,46 @@ pub const ESTIMATORS: [Estimator; 4] = [
         discontinuities: Discontinuities::Found(&[
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
+            Discontinuity::InLayers,
         ]),
         way: Way::Paths,
-        boundary: Some(|adjacency, moving| Box::new(Edges::new(adjacency, moving))),
+        boundary: Some(|adjacency, moving, _| Box::new(Edges::new(adjacency, moving))),
+        film: None,
+    },
+    Estimator {
+        method: Method::Loubet,
+        name: "loubet",
+        title: "Loubet et al. (2019)",
+        about: "Bundles of rays that turn with what they see, as published in 2019: biased",
+        discontinuities: Discontinuities::Found(&[
+            Discontinuity::Silhouette,
+            Discontinuity::SoftShadow,
+            Discontinuity::Intersection,
+        ]),
+        way: Way::Paths,
+        boundary: Some(|_, _, options| {
+            Box::new(loubet::Loubet {
+                options: &options.loubet,
+            })
+        }),
+        film: Some(loubet::film),
+    },
+    Estimator {
+        method: Method::WarpedArea,
+        name: "warped-area",
+        title: "Bangaru et al. (2020)",
+        about: "Velocities as harmonic means of what lies around, as published in 2020: biased",
+        discontinuities: Discontinuities::Found(&[
+            Discontinuity::Silhouette,
+            Discontinuity::SoftShadow,
+            Discontinuity::Intersection,
+        ]),
+        way: Way::Paths,
+        boundary: Some(|adjacency, _, options| {
+            let options = &options.warped_area;
+            Box::new(warped_area::WarpedArea::new(adjacency, options))
+        }),
+        film: Some(warped_area::film),
     },
     Estimator {
         method: Method::Interior,
@@ -137,6 +190,7 @@ pub const ESTIMATORS: [Estimator; 4] = [
         discontinuities: Discontinuities::Ignored,
         way: Way::Paths,
         boundary: None,
+        film: None,
     },
     Estimator {
         method: Method::Fd,
@@ -146,11 +200,12 @@ pub const ESTIMATORS: [Estimator; 4] = [
         discontinuities: Discontinuities::ByDefinition,
         way: Way::Images,
         boundary: None,
+        film: None,
     },
 ];
 
 /// Names of the interface that are still to come.
-pub const NOT_BUILT_YET: [&str; 3] = ["auto", "loubet", "warped-area"];
+pub const NOT_BUILT_YET: [&str; 1] = ["auto"];
 
 impl Method {
     /// What the others are checked against.
@@ -164,10 +219,12 @@ impl Method {
 
     /// Its row of the table.
     pub fn estimator(self) -> &'static Estimator {
-        let [reparam, edges, interior, fd] = &ESTIMATORS;
+        let [reparam, edges, loubet, warped_area, interior, fd] = &ESTIMATORS;
         match self {
             Method::Reparam => reparam,
             Method::Edges => edges,
+            Method::Loubet => loubet,
+            Method::WarpedArea => warped_area,
             Method::Interior => interior,
             Method::Fd => fd,
         }

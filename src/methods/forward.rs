@@ -3,6 +3,7 @@
 use super::clock::StageClock;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
+use super::moving_samples;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::refusals;
@@ -23,6 +24,7 @@ use crate::paths::film::tile::{FilmPacket, TracedTile};
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
+use crate::paths::warp::seam::Warp;
 use crate::scene::SceneDifferential;
 use std::time::Instant;
 
@@ -50,8 +52,10 @@ pub fn forward(
         view: &view,
         estimator: &*estimator,
         drift: drift.as_ref(),
+        twin: 0,
     };
     let sweep = ForwardSweep::new(&view, &motion);
+    let filter_follows = estimator.warp().is_some_and(Warp::filter_follows);
     let velocity = drift
         .as_ref()
         .map(|d| d.velocity(|f| sweep.film_velocity(f)));
@@ -71,7 +75,8 @@ pub fn forward(
             let start = clock.add_tracing(start);
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
-            let gradient = differentiate(&stage, &sweep, velocity.as_ref(), &mut traced);
+            let film = (velocity.as_ref(), filter_follows);
+            let gradient = differentiate(&stage, &sweep, film, &mut traced);
             clock.add_differentiating(start);
             stores.give_back(traced.store);
             (image, gradient, traced.counts)
@@ -102,18 +107,29 @@ pub fn forward(
 fn differentiate(
     stage: &Stage,
     sweep: &ForwardSweep,
-    drift: Option<&DriftVelocity>,
+    (drift, filter_follows): (Option<&DriftVelocity>, bool),
     traced: &mut TracedTile,
 ) -> Block {
     let columns = traced.tile.points[0];
     let samples = traced.image.radiance.len();
     let mut tangents = vec![[0.0; 3]; samples];
     // Radiances times the velocity of the film along each axis.
-    let mut carried = [(); 2].map(|_| vec![[0.0; 3]; if drift.is_some() { samples } else { 0 }]);
+    let carries = drift.is_some() || filter_follows;
+    let mut carried = [(); 2].map(|_| vec![[0.0; 3]; if carries { samples } else { 0 }]);
     let packets: Vec<_> = traced.packets().collect();
     for (number, packet) in packets.into_iter().enumerate() {
         let moved = Moved::new(&packet, drift);
-        let values = to_rgb(sweep.radiance_derivative(&traced.store, number, moved.film_point()));
+        let moving = traced
+            .store
+            .samples_move()
+            .then(|| moving_samples::forward(sweep, traced, number, filter_follows));
+        let values = match &moving {
+            Some(moving) => moving.derivative,
+            None => {
+                let at = moved.film_point();
+                to_rgb(sweep.radiance_derivative(&traced.store, number, at))
+            }
+        };
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
             let at = packet.row * columns + packet.column + lane;
             if !values[lane].iter().all(|c| c.is_finite()) {
@@ -121,6 +137,10 @@ fn differentiate(
                 continue;
             }
             tangents[at] = values[lane];
+            if let (Some(moving), true) = (&moving, filter_follows) {
+                carried[0][at] = moving.carried[0][lane];
+                carried[1][at] = moving.carried[1][lane];
+            }
             if drift.is_some() {
                 let radiance = traced.image.radiance[at];
                 for c in 0..3 {
@@ -133,7 +153,7 @@ fn differentiate(
     }
     let mut block = Block::new(&stage.filter, &traced.tile);
     traced.splat(&tangents, &mut block);
-    if drift.is_some() {
+    if carries {
         let slopes = [0, 1].map(|i| stage.filter.tile_slopes(&traced.tile, i));
         let [x, y] = &traced.taps;
         traced.splat_by([&slopes[0], y], &carried[0], &mut block);

@@ -13,6 +13,7 @@ mod followers;
 mod forward;
 mod group_images;
 mod groups;
+mod moving_samples;
 mod objective;
 mod parts;
 mod prepared;

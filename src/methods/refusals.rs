@@ -78,6 +78,13 @@ pub fn check(
                  use two sheets of dielectric"
             ));
         }
+        if is_layered(&material.bsdf) && misses(Discontinuity::InLayers) {
+            return refuse(format!(
+                "{key}: {} does not follow what is seen in rough glass, in layered materials or in brushed ones, so \
+                 gradients by what moves would be wrong; use --method reparam",
+                method.name()
+            ));
+        }
         let is_smooth = matches!(
             material.bsdf,
             Bsdf::Conductor {
@@ -161,6 +168,16 @@ pub fn check_geometry(
         )));
     }
     Ok(())
+}
+
+/// Whether light is scattered otherwise than by one rough interface or diffusely.
+fn is_layered(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Principled { .. } => true,
+        Bsdf::Dielectric { microfacets, .. } => microfacets.is_some(),
+        Bsdf::Conductor { microfacets, .. } => microfacets.is_some_and(|m| m.alpha_v.is_some()),
+        _ => false,
+    }
 }
 
 /// Why edges that a camera sees are not found.

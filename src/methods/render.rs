@@ -70,6 +70,7 @@ fn trace(
         view: &view,
         estimator: &Interior,
         drift: None,
+        twin: 0,
     };
     let stores = Spare::new();
     let mut counts = Counts::default();

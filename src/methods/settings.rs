@@ -3,6 +3,7 @@
 use super::estimators::Method;
 use super::groups::group_count;
 use crate::trace::Backend;
+use crate::warp::options::WarpOptions;
 
 /// What to render with, the scene's own settings already filled in.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub struct Settings {
     /// Width and height in pixels in place of the film's.
     pub resolution: Option<[u32; 2]>,
     pub method: Method,
+    /// Constants of methods that move samples.
+    pub warp: WarpOptions,
     /// What traces the rays.
     pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.

@@ -24,6 +24,7 @@ use crate::paths::scene_view::{PathLimits, SceneView};
 use crate::picture::Image;
 use crate::room::NoRoom;
 use crate::scene::{Film, Rgb, Scene, SceneDifferential, Sensor};
+use crate::warp::options::WarpOptions;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,6 +39,7 @@ pub struct Stage<'a> {
     pub parts: Parts,
     boundary: Option<MakeBoundary>,
     moving: Moving,
+    warp: WarpOptions,
     pub camera: Camera,
     pub lattice: Lattice,
     pub filter: FilmFilter,
@@ -65,7 +67,10 @@ impl<'a> Stage<'a> {
                 "at least one sample a pixel is needed: --spp 1 or more".into(),
             ));
         }
-        let sensor = sensor(scene, settings)?;
+        let mut sensor = sensor(scene, settings)?;
+        if let (Some(_), Some(film)) = (boundary, settings.method.estimator().film) {
+            sensor.film = film(&settings.warp, sensor.film).map_err(EngineError::Refused)?;
+        }
         let film = &sensor.film;
         if boundary.is_some() {
             let pool = &prepared.workers.pool;
@@ -89,6 +94,7 @@ impl<'a> Stage<'a> {
             parts,
             boundary,
             moving: Moving::default(),
+            warp: settings.warp,
             camera: Camera::new(&sensor),
             lattice,
             filter,
@@ -151,7 +157,7 @@ impl<'a> Stage<'a> {
     /// What finds the boundary terms that are asked for.
     pub fn estimator(&self) -> Box<dyn BoundaryEstimator + '_> {
         match (self.boundary, self.parts.adjacency.get()) {
-            (Some(make), Some(adjacency)) => make(adjacency, &self.moving),
+            (Some(make), Some(adjacency)) => make(adjacency, &self.moving, &self.warp),
             _ => Box::new(Interior),
         }
     }

@@ -91,6 +91,8 @@ pub enum Single {
     /// What smooth surfaces do with the rays of a line over a lobe, and what is looked at there:
     /// index, depth, place in the search.
     LobeChain,
+    /// Whether a sample's velocity is told by one batch of rays more: index, batch.
+    Debias,
 }
 
 /// Streams of their own, with what tells several of them apart.
@@ -104,6 +106,10 @@ pub enum Branch {
     FilmEdgeProbe,
     /// Paths that begin beside an edge that a lobe sees: depth.
     LobeEdgeProbe,
+    /// Auxiliary rays that say what a sample follows: use, depth.
+    Auxiliary,
+    /// Where samples lie in kernels: use, depth, which of two twins.
+    Kernel,
 }
 
 impl Stream {

@@ -11,13 +11,14 @@
 
 use crate::lanes::LANES;
 use crate::paths::at::At;
+use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::Found;
 use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::{Lattice, LatticeImage, Tile};
 use crate::paths::moving::Moving;
-use crate::paths::rays::RayPacket;
 use crate::paths::scene_view::SceneView;
+use crate::paths::warp::seam::Warp;
 
 /// Finds what jumps in the integrals along paths. Every method has a default that finds nothing.
 pub trait BoundaryEstimator: Sync {
@@ -25,6 +26,11 @@ pub trait BoundaryEstimator: Sync {
     ///
     /// [`Vertices::moves`]: crate::paths::store::Vertices::moves
     fn moving(&self) -> Option<&Moving> {
+        None
+    }
+
+    /// What moves samples, if the estimator does that instead of finding borders.
+    fn warp(&self) -> Option<&dyn Warp> {
         None
     }
 
@@ -90,20 +96,4 @@ pub struct LightDraw {
     pub patch: [u32; LANES],
     /// Uniform in the unit square, also where the light is a triangle.
     pub square: [[f32; LANES]; 2],
-}
-
-/// Where the paths of a packet went on.
-#[derive(Clone, Copy)]
-pub struct Bounce<'a> {
-    pub rays: &'a RayPacket,
-    pub seen: BounceEnd<'a>,
-}
-
-/// What the bounces of a packet ended on.
-#[derive(Clone, Copy)]
-pub enum BounceEnd<'a> {
-    /// At the last vertex only the environment shines: lanes that see it.
-    Environment(u32),
-    /// Triangles, or none; the paths go on from there.
-    Triangles(&'a [u32; LANES]),
 }

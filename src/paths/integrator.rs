@@ -7,13 +7,16 @@
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
 use crate::paths::between_planes::BetweenPlanes;
-use crate::paths::estimator::{Bounce, BounceEnd, BoundaryEstimator};
+use crate::paths::bounce::{Bounce, BounceEnd};
+use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::film::drift::Drift;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
+use crate::paths::surface::world_bounce::Drawn;
+use crate::paths::warp::seam::{MapSamples, Warp, WarpedBounce};
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -24,6 +27,8 @@ pub struct Integrator<'a> {
     pub estimator: &'a dyn BoundaryEstimator,
     /// What carries the film's samples.
     pub drift: Option<&'a Drift>,
+    /// Which of two paths that share their random numbers but those of kernels.
+    pub twin: u32,
 }
 
 /// How paths begin.
@@ -50,6 +55,8 @@ struct Path {
     moves: u32,
     /// What is left behind, and the part of the directions that its lobe was drawn from.
     previous: Option<(Surface, Lane)>,
+    /// Around what the bounce was drawn, if samples move.
+    drawn: Option<Drawn>,
 }
 
 impl Integrator<'_> {
@@ -87,6 +94,7 @@ impl Integrator<'_> {
             throughput: V3::splat(1.0),
             moves: start.drifts | self.estimator.moving().map_or(0, |m| m.camera_lanes()),
             previous: None,
+            drawn: None,
         };
         for depth in start.depth.. {
             let numbers = Numbers {
@@ -216,6 +224,7 @@ impl Integrator<'_> {
         store: &mut TileStore,
     ) {
         let view = self.view;
+        let warp = self.estimator.warp();
         let first = store.found.samples.len() as u32;
         if !view.lights.is_empty() {
             let at = At {
@@ -224,9 +233,14 @@ impl Integrator<'_> {
                 surface,
                 numbers: *numbers,
             };
-            let (light, draw) = at.sample_light(bounces, &mut store.counts);
+            // Samples that move each in their own way share nothing.
+            let shared = bounces && warp.is_none();
+            let (light, draw) = at.sample_light(shared, &mut store.counts);
             self.estimator.light(&at, &draw, &mut store.found);
             vertices.light = light;
+            if let Some(warp) = warp {
+                self.follow_light(warp, vertices, surface, numbers, store);
+            }
         }
         if let Some(distribution) = view.map_distribution {
             let at = At {
@@ -235,8 +249,22 @@ impl Integrator<'_> {
                 surface,
                 numbers: *numbers,
             };
-            let sample = at.sample_environment(distribution, &mut store.counts);
+            let moved = warp.map(|warp| (warp.environment_kernel(), self.twin));
+            let (sample, axis) = at.sample_environment(distribution, moved, &mut store.counts);
             self.estimator.environment(&at, &mut store.found);
+            let first_follow = store.follows.len() as u32;
+            if let Some(warp) = warp {
+                let samples = MapSamples {
+                    at: &at,
+                    direction: sample.direction,
+                    axis,
+                    active: sample.drawn(),
+                    seen: sample.weight.gt(Lane::splat(0.0)).to_bits(),
+                };
+                warp.environment(&samples, &mut store.follows, &mut store.counts);
+            }
+            let follows = [first_follow, store.follows.len() as u32];
+            vertices.warped.environment_follows = follows;
             let place = store.environment_samples.len() as u32;
             store.environment_samples.push(sample);
             vertices.environment = [place, place + 1];
@@ -245,6 +273,27 @@ impl Integrator<'_> {
             view.see_delta_lights(vertices, surface, store);
         }
         vertices.boundary = [first, store.found.samples.len() as u32];
+    }
+
+    /// Has light samples move.
+    fn follow_light(
+        &self,
+        warp: &dyn Warp,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        numbers: &Numbers,
+        store: &mut TileStore,
+    ) {
+        let at = At {
+            view: self.view,
+            vertices,
+            surface,
+            numbers: *numbers,
+        };
+        let first = store.follows.len() as u32;
+        let lanes = warp.light(&at, &mut store.follows, &mut store.counts);
+        vertices.warped.light = lanes;
+        vertices.warped.light_follows = [first, store.follows.len() as u32];
     }
 
     /// Draws where the paths go on.
@@ -257,6 +306,11 @@ impl Integrator<'_> {
         numbers: &Numbers,
     ) {
         let mut next = self.view.bsdf_sample(vertices, surface, rim, numbers);
+        path.drawn = self.estimator.warp().map(|warp| {
+            let kernel = (warp.lobe_kernel(), self.twin);
+            self.view
+                .bounce_in_world(vertices, surface, &mut next, kernel, numbers)
+        });
         if let Some(between) = between {
             next.active &= between.count(next.direction);
         }
@@ -310,11 +364,16 @@ impl Integrator<'_> {
         store: &mut TileStore,
     ) {
         let TileStore {
-            vertices, found, ..
+            vertices,
+            found,
+            follows,
+            counts,
+            ..
         } = store;
         let (Some((surface, _)), Some(vertices)) = (&path.previous, vertices.last_mut()) else {
             return;
         };
+        let first_follow = follows.len() as u32;
         let at = At {
             view: self.view,
             vertices,
@@ -326,6 +385,16 @@ impl Integrator<'_> {
             seen,
         };
         self.estimator.lobe(&at, &bounce, found);
+        if let (Some(warp), Some(drawn)) = (self.estimator.warp(), &path.drawn) {
+            let bounce = WarpedBounce {
+                bounce,
+                axis: drawn.axis,
+                convolved: drawn.convolved,
+                twin: self.twin,
+            };
+            warp.bounce(&at, &bounce, follows, counts);
+        }
+        vertices.warped.bounce_follows = [first_follow, follows.len() as u32];
         vertices.boundary[1] = found.samples.len() as u32;
     }
 
@@ -339,6 +408,19 @@ impl Integrator<'_> {
         let drawn = from.shares_lights();
         let one = Lane::splat(1.0);
         vertices.emission_weight = one;
+        if self.estimator.warp().is_some() {
+            // Nor do bounces share what light samples bring.
+            let hit = if view.lights.is_empty() {
+                0
+            } else {
+                vertices.hit
+            };
+            let map = view.map_distribution.map_or(0, |_| vertices.escaped);
+            let left_out = lane_mask(drawn & (hit | map));
+            vertices.emission_weight = <Lane as Real>::select(left_out, Lane::splat(0.0), one);
+            vertices.escaped &= !(drawn & map);
+            return;
+        }
         if !view.lights.is_empty() && vertices.hit != 0 {
             vertices.sampled = drawn & vertices.hit;
             let (weight, value) = view.sampled_emission(vertices, from, surface);

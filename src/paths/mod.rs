@@ -5,6 +5,7 @@
 
 pub mod at;
 pub mod between_planes;
+pub mod bounce;
 pub mod boundary_sample;
 pub mod chain;
 pub mod chain_vertex;
@@ -16,9 +17,10 @@ pub mod film;
 pub mod integrator;
 pub mod light;
 pub mod moving;
-mod radiance;
+pub mod radiance;
 pub mod random;
 pub mod rays;
 pub mod scene_view;
 pub mod store;
 pub mod surface;
+pub mod warp;

@@ -6,6 +6,7 @@ use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_mask;
 use crate::paths::surface::kinds::Kinds;
+use crate::paths::warp::follow::{Follow, WarpedVertex};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
@@ -69,6 +70,8 @@ pub struct Vertices {
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
     pub environment: [u32; 2],
+    /// What moves, if samples do.
+    pub warped: WarpedVertex,
 }
 
 /// Of the materials that a surface is made of, the one that each lane has met.
@@ -93,6 +96,15 @@ pub struct EnvironmentSample {
     pub irradiance: Lane,
     /// π times the BSDF toward it.
     pub value: V3<Lane>,
+}
+
+impl EnvironmentSample {
+    /// Lanes that would be lit by it if nothing stood between.
+    pub fn drawn(&self) -> u32 {
+        let V3 { x, y, z } = self.value;
+        let lit = x.max(y).max(z) * self.irradiance;
+        lit.gt(Lane::splat(0.0)).to_bits()
+    }
 }
 
 /// Whether a delta light is seen, a bit a lane. Of lanes that it cannot light neither is said.
@@ -217,8 +229,18 @@ impl Default for Vertices {
             boundary: [0; 2],
             delta_lights: [0; 2],
             environment: [0; 2],
+            warped: WarpedVertex::default(),
         }
     }
+}
+
+/// A path of the film whose samples move.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingFilmPath {
+    /// The film point that it goes through.
+    pub at: [Lane; 2],
+    /// What that follows, as a range of [`TileStore::follows`].
+    pub follows: [u32; 2],
 }
 
 /// Everything a tile's sweeps need.
@@ -230,6 +252,12 @@ pub struct TileStore {
     /// Which lanes see each delta light: for each vertex one entry a light.
     pub delta_visible: Vec<DeltaSight>,
     pub environment_samples: Vec<EnvironmentSample>,
+    /// If samples move: of each path, in the order of [`TileStore::depths`].
+    pub film_paths: Vec<MovingFilmPath>,
+    /// Paths of a packet that share their random numbers, one after another; 1 if none do.
+    pub twins: usize,
+    /// What samples follow.
+    pub follows: Vec<Follow>,
     /// What jumps in the vertices' integrals, and then what jumps on the film.
     pub found: Found,
     /// Of `found`, what belongs to the vertices.
@@ -251,6 +279,9 @@ impl TileStore {
         self.depths.push(0);
         self.delta_visible.clear();
         self.environment_samples.clear();
+        self.film_paths.clear();
+        self.twins = 1;
+        self.follows.clear();
         self.found.clear();
         self.vertex_samples = 0;
     }
@@ -259,6 +290,22 @@ impl TileStore {
     pub fn environment_sample(&self, vertices: &Vertices) -> Option<&EnvironmentSample> {
         let [from, to] = vertices.environment;
         (from != to).then(|| &self.environment_samples[from as usize])
+    }
+
+    /// Whether samples move.
+    pub fn samples_move(&self) -> bool {
+        !self.film_paths.is_empty()
+    }
+
+    /// The path that shares its random numbers with this one.
+    pub fn twin(&self, path: usize) -> Option<usize> {
+        (self.twins == 2).then_some(path ^ 1)
+    }
+
+    /// What some sample follows.
+    pub fn followed(&self, range: [u32; 2]) -> &[Follow] {
+        let [from, to] = range.map(|i| i as usize);
+        &self.follows[from..to]
     }
 
     /// What jumps in a vertex's integrals.

@@ -5,7 +5,7 @@ use crate::sources::of_the_crate;
 use std::collections::BTreeSet;
 
 /// Each module may use those before it.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "room",
     "files",
     "lanes",
@@ -19,6 +19,7 @@ const ORDER: [&str; 21] = [
     "paths",
     "gradient",
     "boundary",
+    "warp",
     "methods",
     "output",
     "jobs",
@@ -30,7 +31,7 @@ const ORDER: [&str; 21] = [
 ];
 
 /// Modules that may use less than the order allows.
-const ONLY: [(&str, &[&str]); 3] = [
+const ONLY: [(&str, &[&str]); 4] = [
     ("picture", &["room", "files", "picture"]),
     ("kernels", &["lanes", "kernels"]),
     // The two meet in the stored boundary samples alone.
@@ -45,6 +46,11 @@ const ONLY: [(&str, &[&str]); 3] = [
             "paths",
             "boundary",
         ],
+    ),
+    // Nor does what moves samples know of either.
+    (
+        "warp",
+        &["lanes", "scene", "trace", "discontinuity", "paths", "warp"],
     ),
 ];
 

@@ -1,6 +1,7 @@
 //! What the tests of the whole engine share: scenes as plain data, runs, and statistics.
 
 pub mod comparison;
+pub mod fading;
 pub mod materials;
 pub mod optics;
 pub mod picture_files;
@@ -41,6 +42,7 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         backend: Backend::default(),
         standard_error: false,
         groups: None,
+        warp: Default::default(),
     }
 }
 

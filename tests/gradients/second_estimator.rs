@@ -107,7 +107,7 @@ fn leaf() -> Scene {
 #[test]
 fn borders_agree_with_cells() {
     let scene = leaf();
-    let by_borders: MakeBoundary = |adjacency, _| Box::new(Borders(adjacency));
+    let by_borders: MakeBoundary = |adjacency, _, _| Box::new(Borders(adjacency));
     for (key, values) in [
         ("leaf.translation", [0.3, 0.4, 1.0]),
         ("leaf.rotation", [0.5, -0.2, 1.0]),

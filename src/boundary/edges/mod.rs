@@ -24,8 +24,9 @@ mod tile_edges;
 mod tree;
 
 use crate::paths::at::At;
+use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::Found;
-use crate::paths::estimator::{Bounce, BoundaryEstimator, FilmTile, LightDraw};
+use crate::paths::estimator::{BoundaryEstimator, FilmTile, LightDraw};
 use crate::paths::moving::Moving;
 pub use sources::Edges;
 

@@ -3,12 +3,13 @@
 use crate::adjoint::bsdf::bsdf_evaluate_adjoint;
 use crate::adjoint::layered::layered_evaluate_adjoint;
 use crate::adjoint::light::{direction_irradiance_adjoint, triangle_irradiance_adjoint};
-use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Solved};
+use crate::gradient::path::bars::{Cotangent, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate;
 use crate::kernels::layered::layered_evaluate;
 use crate::kernels::light::{direction_irradiance, triangle_irradiance};
-use crate::lanes::{LANES, Lane, Mask, Real, V3};
+use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::surface::interface::texture_at;
@@ -239,7 +240,7 @@ impl BackwardSweep<'_> {
 
     /// Adds to the texels of a light's radiance at a point of a triangle; returns the slopes over
     /// the barycentrics.
-    fn add_light_texels(
+    pub(crate) fn add_light_texels(
         &self,
         light: usize,
         triangle: u32,
@@ -265,10 +266,10 @@ impl BackwardSweep<'_> {
         let vertices = here.vertices;
         let light = &vertices.light;
         let lit = light.weight.gt(Lane::splat(0.0));
-        if !lit.any() {
+        let bits = lit.to_bits() & !vertices.warped.light;
+        if bits == 0 {
             return;
         }
-        let bits = lit.to_bits();
         let emitted = view.light_radiance(light);
         let scale = light.irradiance * light.weight;
         let path = masked(bits, radiance_bar.times(vertices.throughput));
@@ -320,6 +321,25 @@ impl BackwardSweep<'_> {
     pub(crate) fn environment_brings(
         &self,
         here: &Solved,
+        sample: (V3<Lane>, Lane),
+        bar: Cotangent,
+        bars: &mut VertexBars,
+        sums: &mut TileSums,
+    ) {
+        let bits = bar.bits;
+        let [w_bar, _] = self.environment_at_rest(here, sample, bar, bars, sums);
+        if self.wanted.environment {
+            // ω turns the direction by ω × d.
+            let turn = sums.over_lanes(sample.0.cross(w_bar), bits);
+            sums.add_environment(turn, 0.0);
+        }
+    }
+
+    /// The same, but for where the direction is on the map. Returns the cotangents of the direction
+    /// and of the radiance there.
+    pub(crate) fn environment_at_rest(
+        &self,
+        here: &Solved,
         (direction, weight): (V3<Lane>, Lane),
         Cotangent {
             bits,
@@ -327,13 +347,13 @@ impl BackwardSweep<'_> {
         }: Cotangent,
         bars: &mut VertexBars,
         sums: &mut TileSums,
-    ) {
+    ) -> [V3<Lane>; 2] {
         let scene = self.view.scene;
         let Some(environment) = &scene.environment else {
-            return;
+            return [V3::splat(0.0); 2];
         };
         if bits == 0 {
-            return;
+            return [V3::splat(0.0); 2];
         }
         let irradiance = direction_irradiance(here.n, direction);
         let value = self.bsdf_evaluate(here, direction, LightKind::Sampled);
@@ -367,10 +387,6 @@ impl BackwardSweep<'_> {
         let (n, w) = direction_irradiance_adjoint(here.n, direction, irradiance_bar);
         bars.n = bars.n + masked(bits, n);
         w_bar = w_bar + masked(bits, w);
-        if self.wanted.environment {
-            // ω turns the direction by ω × d.
-            let turn = sums.over_lanes(direction.cross(w_bar), bits);
-            sums.add_environment(turn, 0.0);
-        }
+        [w_bar, environment_bar]
     }
 }

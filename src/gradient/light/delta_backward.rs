@@ -5,7 +5,8 @@ use crate::adjoint::layered::layered_sent_adjoint;
 use crate::adjoint::light::{
     direction_irradiance_adjoint, point_falloff_adjoint, point_irradiance_adjoint,
 };
-use crate::gradient::path::backward::{BackwardSweep, Cotangent, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Solved};
+use crate::gradient::path::bars::{Cotangent, VertexBars};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::bsdf_evaluate_glass;
 use crate::kernels::layered::layered_sent;

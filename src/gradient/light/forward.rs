@@ -47,10 +47,21 @@ impl ForwardSweep<'_> {
         direction: V3<Lane>,
         weight: Lane,
     ) -> V3<Lane> {
+        let turning = splat::<Lane>(self.motion.environment.rotation).cross(direction);
+        self.turning_environment(here, direction, weight, turning)
+    }
+
+    /// The same from a direction that changes by `turning`.
+    pub(crate) fn turning_environment(
+        &self,
+        here: &MovingVertex,
+        direction: V3<Lane>,
+        weight: Lane,
+        turning: V3<Lane>,
+    ) -> V3<Lane> {
         let Some(environment) = &self.view.scene.environment else {
             return V3::splat(0.0);
         };
-        let turning = splat::<Lane>(self.motion.environment.rotation).cross(direction);
         let w = dual_vector(direction, turning);
         let value = self.view.environment_radiance(environment, direction);
         let scene = self.view.scene;
@@ -130,7 +141,13 @@ impl ForwardSweep<'_> {
         })
     }
 
-    fn light_tangent(&self, light: usize, triangle: u32, b: [f32; 2], db: [f32; 2]) -> Rgb {
+    pub(crate) fn light_tangent(
+        &self,
+        light: usize,
+        triangle: u32,
+        b: [f32; 2],
+        db: [f32; 2],
+    ) -> Rgb {
         let scene = self.view.scene;
         let texture = scene.area_lights[light].radiance;
         let (found, by_b) = texture_at(scene, self.view.geometry, texture, triangle, b);

@@ -10,6 +10,7 @@ use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::layered::layered_sample_adjoint;
 use crate::adjoint::relief::relief_shadow_adjoint;
+use crate::gradient::path::bars::{Cotangent, TurningBars, VertexBars};
 use crate::gradient::scene::backward::{TileSums, Wanted};
 use crate::kernels::bsdf::{Interface, bsdf_sample};
 use crate::kernels::layered::{Layers, layered_sample};
@@ -17,10 +18,10 @@ use crate::kernels::relief::relief_shadow;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
+use crate::paths::radiance::Scored;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
-use crate::paths::surface::layers::{numbers, of_numbers};
 use crate::paths::surface::relief::ReliefMaps;
 use glam::Vec3;
 
@@ -30,6 +31,8 @@ pub struct BackwardSweep<'a> {
     pub wanted: &'a Wanted,
     /// What carries the film's samples.
     pub drift: Option<&'a Drift>,
+    /// Whether a pixel's filter is taken where samples move to.
+    pub filter_follows: bool,
 }
 
 /// A vertex as it was, with what its adjoints need.
@@ -57,96 +60,6 @@ pub(crate) struct Solved<'a> {
     pub layers: Option<(Layers<Lane>, [Lane; 2])>,
 }
 
-/// A cotangent in some of the lanes.
-#[derive(Clone, Copy)]
-pub(crate) struct Cotangent {
-    pub bits: u32,
-    /// Zero in the others.
-    pub value: V3<Lane>,
-}
-
-impl Cotangent {
-    /// In the lanes of `bits`.
-    pub fn of_lanes(bits: u32, value: V3<Lane>) -> Self {
-        Self {
-            bits,
-            value: masked(bits, value),
-        }
-    }
-}
-
-/// Cotangents of a vertex, as they are collected.
-pub(crate) struct VertexBars {
-    pub x: V3<Lane>,
-    pub n: V3<Lane>,
-    /// Of the normal before a picture turned it, besides what turns with it.
-    pub base_n: V3<Lane>,
-    /// Of the ray that arrived (besides what moves x), and of the path's weight with it.
-    pub direction: V3<Lane>,
-    pub throughput: V3<Lane>,
-    /// Of the path's weight before the choice among materials.
-    pub arriving: V3<Lane>,
-    pub interface: Interface<Lane>,
-    /// Given if anything was added.
-    pub layers: Option<Box<Layers<Lane>>>,
-    /// Of the barycentrics.
-    pub b: [Lane; 2],
-}
-
-impl VertexBars {
-    fn zero() -> Self {
-        let (zero, none) = (Lane::splat(0.0), V3::splat(0.0));
-        Self {
-            x: none,
-            n: none,
-            base_n: none,
-            direction: none,
-            throughput: none,
-            arriving: none,
-            interface: Interface {
-                reflectance: none,
-                second_reflectance: none,
-                eta: none,
-                k: none,
-                alpha: zero,
-            },
-            layers: None,
-            b: [zero; 2],
-        }
-    }
-
-    /// Adds the cotangents of layers in the lanes of `bits`.
-    pub fn add_layers(&mut self, bits: u32, l: &Layers<Lane>) {
-        let zero = Lane::splat(0.0);
-        let selected = of_numbers(
-            masked(bits, l.tangent),
-            numbers(l).map(|n| <Lane as Real>::select(lane_mask(bits), n, zero)),
-        );
-        let sum = match &self.layers {
-            None => selected,
-            Some(sum) => {
-                let (a, b) = (numbers(sum.as_ref()), numbers(&selected));
-                of_numbers(
-                    sum.tangent + selected.tangent,
-                    std::array::from_fn(|i| a[i] + b[i]),
-                )
-            }
-        };
-        self.layers = Some(Box::new(sum));
-    }
-
-    /// Adds the cotangents of an interface in the lanes of `bits`.
-    pub fn add_interface(&mut self, bits: u32, s: &Interface<Lane>) {
-        let zero = Lane::splat(0.0);
-        let sum = &mut self.interface;
-        sum.reflectance = sum.reflectance + masked(bits, s.reflectance);
-        sum.second_reflectance = sum.second_reflectance + masked(bits, s.second_reflectance);
-        sum.eta = sum.eta + masked(bits, s.eta);
-        sum.k = sum.k + masked(bits, s.k);
-        sum.alpha += <Lane as Real>::select(lane_mask(bits), s.alpha, zero);
-    }
-}
-
 /// What a vertex hands to the one before it: the cotangents of the ray between them and of the
 /// throughput, and those that emission found by the bounce has for the earlier vertex itself.
 pub(crate) struct Returning {
@@ -156,6 +69,9 @@ pub(crate) struct Returning {
     pub direction: V3<Lane>,
     throughput: V3<Lane>,
     earlier: VertexBars,
+    /// By what the scores of the earlier vertex' sample of the environment map and of the ray are
+    /// multiplied.
+    scored: [V3<Lane>; 2],
 }
 
 impl Returning {
@@ -167,6 +83,7 @@ impl Returning {
             direction: zero,
             throughput: zero,
             earlier: VertexBars::zero(),
+            scored: [zero; 2],
         }
     }
 }
@@ -178,8 +95,20 @@ impl BackwardSweep<'_> {
         &self,
         store: &TileStore,
         packet: usize,
-        [u, v]: [Lane; 2],
+        at: [Lane; 2],
         radiance_bar: V3<Lane>,
+        sums: &mut TileSums,
+    ) -> [Lane; 2] {
+        self.add_scored_path(store, packet, at, (radiance_bar, &[]), sums)
+    }
+
+    /// The same if samples move, whose scores multiply `scored` ([`SceneView::scored`]).
+    pub(crate) fn add_scored_path(
+        &self,
+        store: &TileStore,
+        packet: usize,
+        [u, v]: [Lane; 2],
+        (radiance_bar, scored): (V3<Lane>, &[Scored]),
         sums: &mut TileSums,
     ) -> [Lane; 2] {
         let path = store.path(packet);
@@ -189,10 +118,13 @@ impl BackwardSweep<'_> {
             let here = next.take().or_else(|| self.solve(vertices));
             let before = k.checked_sub(1).and_then(|k| self.solve(&path[k]));
             let pair = (here.as_ref(), before.as_ref());
+            if let Some([own, next]) = scored.get(k..k + 2) {
+                chain.scored = [own.environment, next.radiance];
+            }
             chain = self.vertex(store, vertices, pair, chain, sums);
             next = before;
         }
-        if self.wanted.camera || self.drift.is_some() {
+        if self.wanted.camera || self.drift.is_some() || store.samples_move() {
             let bits = path[0].hit | path[0].escaped;
             let camera = &self.view.camera;
             let (px, py) = camera.film_to_camera(u, v);
@@ -229,21 +161,38 @@ impl BackwardSweep<'_> {
         }
         let Some(here) = here else { return back };
         let mut bars = after.earlier;
-        self.bounce(
+        let turning = self.bounce(
             here,
             [after.origin, after.direction, after.throughput],
             &mut bars,
         );
+        if vertices.warped.world != 0 {
+            let all = radiance_bar.times(after.scored[1]);
+            let turning = TurningBars {
+                direction: turning,
+                score: all.x + all.y + all.z,
+            };
+            let follows = store.followed(vertices.warped.bounce_follows);
+            let moved = (follows, vertices.local);
+            self.add_turning(here, moved, &turning, &mut bars, sums);
+        }
         if !self.view.lights.is_empty() {
             let earlier = &mut back.earlier;
             self.emission((here, before), radiance_bar, &mut bars, earlier, sums);
             self.light_sample(here, radiance_bar, &mut bars, sums);
+            self.moving_light_sample(store, here, radiance_bar, &mut bars, sums);
         }
         if let Some(sample) = store.environment_sample(vertices) {
             let lit = sample.weight.gt(Lane::splat(0.0)).to_bits();
             let bar = Cotangent::of_lanes(lit, radiance_bar);
-            let sample = (sample.direction, sample.weight);
-            self.environment_brings(here, sample, bar, &mut bars, sums);
+            if store.samples_move() {
+                let all = radiance_bar.times(after.scored[0]);
+                let bars = (bar, all.x + all.y + all.z, &mut bars);
+                self.moving_environment_sample(store, (here, sample), bars, sums);
+            } else {
+                let sample = (sample.direction, sample.weight);
+                self.environment_brings(here, sample, bar, &mut bars, sums);
+            }
         }
         self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
@@ -309,17 +258,19 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// The next ray and the next throughput, from their cotangents.
+    /// The next ray and the next throughput, from their cotangents. Returns those of directions of
+    /// the world, where bounces are such.
     fn bounce(
         &self,
         here: &Solved,
         [origin, direction, throughput]: [V3<Lane>; 3],
         bars: &mut VertexBars,
-    ) {
+    ) -> V3<Lane> {
         let vertices = here.vertices;
+        let mut turning = V3::splat(0.0);
         let alive = vertices.survival.gt(Lane::splat(0.0));
         if !alive.any() {
-            return;
+            return turning;
         }
         let bits = alive.to_bits() & vertices.hit;
         // T' = T·weight·survival.
@@ -327,7 +278,13 @@ impl BackwardSweep<'_> {
         let weight_bar = on.times(vertices.throughput);
         bars.throughput = bars.throughput + on.times(vertices.weight);
         bars.x = bars.x + masked(bits, origin);
-        let direction = masked(bits, direction);
+        let world = bits & vertices.warped.world;
+        if world != 0 {
+            let weight_bar = Cotangent::of_lanes(world, weight_bar);
+            turning = masked(world, direction) + self.bounce_in_world(here, weight_bar, bars);
+        }
+        let bits = bits & !world;
+        let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
         let local = vertices.local;
         let Some(interface) = &here.interface else {
             bars.interface.reflectance = bars.interface.reflectance + weight_bar;
@@ -335,7 +292,7 @@ impl BackwardSweep<'_> {
                 let (n, _) = direction_from_local_adjoint(here.n, local, direction);
                 bars.n = bars.n + masked(bits, n);
             }
-            return;
+            return turning;
         };
         let layered = vertices.kinds.layered();
         let mut weight_bar = weight_bar * vertices.inverse_density;
@@ -379,6 +336,7 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, arriving);
         bars.add_interface(bits, &s);
+        turning
     }
 
     /// The next direction, and what the path is multiplied with but for what a turned surface hides

@@ -12,6 +12,7 @@ use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
+use crate::paths::radiance::Scored;
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
@@ -79,11 +80,17 @@ impl<'a> ForwardSweep<'a> {
 
     /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points
     /// (`u`, `v`), which may move.
-    pub fn radiance_derivative(
+    pub fn radiance_derivative(&self, store: &TileStore, packet: usize, at: [D; 2]) -> V3<Lane> {
+        self.path_derivative(store, packet, at, &[])
+    }
+
+    /// The same if samples move, whose scores multiply `scored` ([`SceneView::scored`]).
+    pub(crate) fn path_derivative(
         &self,
         store: &TileStore,
         packet: usize,
         [u, v]: [D; 2],
+        scored: &[Scored],
     ) -> V3<Lane> {
         let camera = &self.camera_lanes;
         let (px, py) = self.view.camera.film_to_camera(u, v);
@@ -101,9 +108,13 @@ impl<'a> ForwardSweep<'a> {
         }
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingVertex> = None;
-        for vertices in path {
+        for (k, vertices) in path.iter().enumerate() {
             let (contribution, here) = self.vertex(store, vertices, &mut chain, previous.as_ref());
             sum = sum + contribution;
+            if let (Some(here), Some([own, next])) = (&here, scored.get(k..k + 2)) {
+                sum = sum + self.moving_environment_sample(store, here, own.environment);
+                sum = sum + self.turn_bounce(store, here, &mut chain, next.radiance);
+            }
             previous = here;
         }
         sum
@@ -128,11 +139,15 @@ impl<'a> ForwardSweep<'a> {
         let here = self.moving_vertex(vertices, chain);
         if !self.view.lights.is_empty() {
             sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));
-            sum = sum + self.light_sample(&here);
+            let still = !vertices.warped.light;
+            sum = sum + masked(still, self.light_sample(&here));
+            if vertices.warped.light != 0 {
+                sum = sum + self.moving_light_sample(store, &here);
+            }
         }
         if let Some(sample) = store.environment_sample(vertices) {
             let lit = sample.weight.gt(Lane::splat(0.0));
-            if lit.any() {
+            if lit.any() && !store.samples_move() {
                 let brings = self.environment_brings(&here, sample.direction, sample.weight);
                 sum = sum + V3::select(lit, brings, V3::splat(0.0));
             }

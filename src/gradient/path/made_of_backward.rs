@@ -1,6 +1,7 @@
 //! What surfaces are made of, backwards: from slots and fractions to texels.
 
-use super::backward::{BackwardSweep, Solved, VertexBars};
+use super::backward::{BackwardSweep, Solved};
+use super::bars::VertexBars;
 use crate::gradient::scene::backward::TileSums;
 use crate::lanes::{LANES, Lane};
 use crate::paths::surface::interface::slot_values;

@@ -1,6 +1,7 @@
 //! Along a path: forward from the camera, backward to it.
 
 pub mod backward;
+pub mod bars;
 pub mod forward;
 mod made_of_backward;
 mod relief_backward;

@@ -3,7 +3,8 @@
 use crate::adjoint::bsdf::consistent_normal_adjoint;
 use crate::adjoint::normal::{face_normal_adjoint, shading_normal_adjoint};
 use crate::adjoint::triangle::triangle_hit_adjoint;
-use crate::gradient::path::backward::{BackwardSweep, Returning, Solved, VertexBars};
+use crate::gradient::path::backward::{BackwardSweep, Returning, Solved};
+use crate::gradient::path::bars::VertexBars;
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::bsdf::consistent_normal;
 use crate::kernels::normal::{face_normal, shading_normal};

@@ -12,16 +12,21 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::{EnvironmentSample, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::vertex::Surface;
+use crate::paths::surface::world_bounce;
+use crate::paths::warp::kernel::Use;
 use crate::scene::Environment;
 use glam::Vec3;
 
 impl At<'_> {
-    /// Draws a direction of the map in every lane.
+    /// Draws a direction of the map in every lane. Where samples move (`moved`: the concentration of
+    /// the kernel around them, if there is one, and which of two twins draws) they share nothing
+    /// with bounces. Also returns the directions around which the kernel lies.
     pub fn sample_environment(
         &self,
         distribution: &MapDistribution,
+        moved: Option<(Option<f64>, u32)>,
         counts: &mut Counts,
-    ) -> EnvironmentSample {
+    ) -> (EnvironmentSample, V3<Lane>) {
         let Self {
             view,
             vertices,
@@ -36,7 +41,14 @@ impl At<'_> {
             pdf[l] = p;
             d
         });
-        let direction = from_lanes(&directions);
+        let axis = from_lanes(&directions);
+        let direction = match moved {
+            Some((Some(kappa), twin)) => {
+                let draw = (Use::Environment, twin);
+                world_bounce::draw(u32::MAX, axis, kappa, draw, &self.numbers)
+            }
+            _ => axis,
+        };
         let zero = Lane::splat(0.0);
         let above = surface.n.dot(direction).gt(zero).to_bits();
         let active = view.lit_by_map(vertices) & above;
@@ -45,8 +57,11 @@ impl At<'_> {
         let light = Lane::new(pdf);
         let cos = surface.n.dot(direction);
         let bounce = view.bsdf_pdf_over_cos(vertices, surface, direction) * cos;
-        let weight = light / (light * light + bounce * bounce);
-        EnvironmentSample {
+        let weight = match moved {
+            Some(_) => Lane::splat(1.0) / light,
+            None => light / (light * light + bounce * bounce),
+        };
+        let sample = EnvironmentSample {
             direction,
             weight: <Lane as Real>::select(lane_mask(visible), weight, zero),
             irradiance: direction_irradiance(surface.n, direction),
@@ -54,7 +69,8 @@ impl At<'_> {
                 active,
                 view.bsdf_evaluate(vertices, surface, direction, LightKind::Sampled),
             ),
-        }
+        };
+        (sample, axis)
     }
 }
 

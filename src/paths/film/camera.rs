@@ -59,6 +59,14 @@ impl Camera {
         )
     }
 
+    /// The film point at which a point before the camera is seen.
+    pub fn film_point(&self, point: DVec3) -> [f64; 2] {
+        let to = point - self.origin.as_dvec3();
+        let [x, y, z] = self.axes.map(|a| to.dot(a.as_dvec3()));
+        let tangents = [x, y].map(|t| t / (z * self.tan_half_x_fov));
+        [0, 1].map(|i| (tangents[i] - self.offset[i]) / self.scale)
+    }
+
     /// Cotangents of a film point from those of the camera's tangents.
     pub fn film_to_camera_adjoint<F: Real>(&self, bars: [F; 2]) -> [F; 2] {
         bars.map(|bar| bar * F::splat(self.scale))

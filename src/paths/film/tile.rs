@@ -1,6 +1,6 @@
 //! Tracing all samples of a tile.
 
-use crate::lanes::{LANES, Lane};
+use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
@@ -9,7 +9,8 @@ use crate::paths::film::lattice::{LatticeImage, Tile};
 use crate::paths::integrator::Integrator;
 use crate::paths::random::morton;
 use crate::paths::rays::to_rgb;
-use crate::paths::store::TileStore;
+use crate::paths::store::{MovingFilmPath, TileStore};
+use crate::paths::warp::seam::{FilmPoints, Warp};
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
 
@@ -50,6 +51,7 @@ impl TracedTile {
             view,
             estimator,
             drift,
+            ..
         } = *integrator;
         store.clear();
         let mut not_finite = 0;
@@ -66,21 +68,9 @@ impl TracedTile {
             if !keep {
                 store.forget_paths();
             }
-            let index: [u32; LANES] =
-                std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
-            let lens_point = |lane: usize| {
-                let number = |axis| {
-                    tile.stream
-                        .single(Single::LensPoint, [index[lane], axis, 0])
-                };
-                [number(0), number(1)]
-            };
-            let camera = &view.camera;
-            let rays = camera.rays_through(packet.u, packet.v, packet.active, lens_point);
-            let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));
-            integrator.trace_from_camera(rays, drifts, &tile.stream, &index, &mut store);
-            let path = store.path(store.depths.len() - 2);
-            let radiance = to_rgb(view.radiance(&store, path));
+            let first = store.depths.len() - 1;
+            let radiance = to_rgb(trace_packet(integrator, &tile, &packet, &mut store));
+            let path = store.path(first);
             for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
                 let at = packet.row * columns + packet.column + lane;
                 image.triangle[at] = path[0].triangle[lane];
@@ -134,6 +124,75 @@ impl TracedTile {
         for (row, y_taps) in y.iter().enumerate() {
             block.add_row(x, y_taps, &values[row * columns..(row + 1) * columns]);
         }
+    }
+}
+
+/// Traces the paths of a packet; returns their radiance, the mean of twins.
+fn trace_packet(
+    integrator: &Integrator,
+    tile: &Tile,
+    packet: &FilmPacket,
+    store: &mut TileStore,
+) -> V3<Lane> {
+    let Integrator { view, drift, .. } = *integrator;
+    let index: [u32; LANES] =
+        std::array::from_fn(|l| morton((packet.column + l) as u32, packet.row as u32));
+    let lens_point = |lane: usize| {
+        let number = |axis| {
+            tile.stream
+                .single(Single::LensPoint, [index[lane], axis, 0])
+        };
+        [number(0), number(1)]
+    };
+    let first = store.depths.len() - 1;
+    if let Some(warp) = integrator.estimator.warp() {
+        let points = FilmPoints {
+            view,
+            u: packet.u,
+            v: packet.v,
+            active: packet.active,
+            stream: &tile.stream,
+            index: &index,
+        };
+        trace_moving(integrator, warp, &points, store);
+    } else {
+        let camera = &view.camera;
+        let rays = camera.rays_through(packet.u, packet.v, packet.active, lens_point);
+        let drifts = drift.map_or(0, |d| d.lanes(packet.u, packet.v));
+        integrator.trace_from_camera(rays, drifts, &tile.stream, &index, store);
+    }
+    let mut radiance = view.radiance(store, store.path(first));
+    for twin in 1..store.twins {
+        radiance = radiance + view.radiance(store, store.path(first + twin));
+    }
+    radiance * Lane::splat(1.0 / store.twins as f32)
+}
+
+/// Traces the paths of a packet whose samples move.
+fn trace_moving(
+    integrator: &Integrator,
+    warp: &dyn Warp,
+    points: &FilmPoints,
+    store: &mut TileStore,
+) {
+    let paths = warp.film(points, &mut store.counts);
+    store.twins = paths.len();
+    for (twin, path) in paths.into_iter().enumerate() {
+        let first = store.follows.len() as u32;
+        store.follows.extend_from_slice(&path.follows);
+        store.film_paths.push(MovingFilmPath {
+            at: path.at,
+            follows: [first, store.follows.len() as u32],
+        });
+        let [u, v] = path.at;
+        // Through a pinhole: other cameras are refused where anything moves.
+        let camera = &points.view.camera;
+        let rays = camera.rays(camera.direction(u, v), points.active);
+        let twin = Integrator {
+            twin: twin as u32,
+            ..*integrator
+        };
+        twin.trace_from_camera(rays, 0, points.stream, points.index, store);
     }
 }
 

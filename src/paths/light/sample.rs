@@ -76,27 +76,12 @@ impl At<'_> {
             surface,
             ..
         } = *self;
-        let (s, r) = self.numbers.pair(Pair::LightPoint);
-        let (pick, _) = if view.lights.patches.len() > 1 {
-            self.numbers.pair(Pair::LightPatch)
-        } else {
-            (Lane::splat(0.0), Lane::splat(0.0))
-        };
-        let (patch, _) = view.lights.pick(pick);
-        let patches = patch.map(|p| &view.lights.patches[p as usize]);
-        // Fold the square onto a single triangle, on which the density doubles.
-        let square = [s.to_array(), r.to_array()];
-        let [mut s, mut r] = square;
-        let mut pdf = [0.0; LANES];
-        for l in 0..LANES {
-            pdf[l] = patches[l].probability;
-            if patches[l].upper.is_none() {
-                pdf[l] *= 2.0;
-                if s[l] + r[l] > 1.0 {
-                    (s[l], r[l]) = (1.0 - s[l], 1.0 - r[l]);
-                }
-            }
-        }
+        let drawn = self.draw_light();
+        let DrawnLight {
+            draw: LightDraw { patch, square },
+            at: [s, r],
+            pdf,
+        } = drawn;
         let irradiance = view.patch_irradiance(surface, &patch, &s, &r);
         let zero = Lane::splat(0.0);
         let lit = irradiance.gt(zero) & lane_mask(vertices.hit & vertices.kinds.lit_by_samples());
@@ -125,6 +110,55 @@ impl At<'_> {
             ),
         };
         (light, LightDraw { patch, square })
+    }
+}
+
+/// A point of a light in each lane.
+struct DrawnLight {
+    draw: LightDraw,
+    /// In the patch.
+    at: [[f32; LANES]; 2],
+    /// Over the patch's square, or triangle.
+    pdf: [f32; LANES],
+}
+
+impl At<'_> {
+    fn draw_light(&self) -> DrawnLight {
+        let view = self.view;
+        let (s, r) = self.numbers.pair(Pair::LightPoint);
+        let (pick, _) = if view.lights.patches.len() > 1 {
+            self.numbers.pair(Pair::LightPatch)
+        } else {
+            (Lane::splat(0.0), Lane::splat(0.0))
+        };
+        let (patch, _) = view.lights.pick(pick);
+        let patches = patch.map(|p| &view.lights.patches[p as usize]);
+        // Fold the square onto a single triangle, on which the density doubles.
+        let square = [s.to_array(), r.to_array()];
+        let [mut s, mut r] = square;
+        let mut pdf = [0.0; LANES];
+        for l in 0..LANES {
+            pdf[l] = patches[l].probability;
+            if patches[l].upper.is_none() {
+                pdf[l] *= 2.0;
+                if s[l] + r[l] > 1.0 {
+                    (s[l], r[l]) = (1.0 - s[l], 1.0 - r[l]);
+                }
+            }
+        }
+        DrawnLight {
+            draw: LightDraw { patch, square },
+            at: [s, r],
+            pdf,
+        }
+    }
+
+    /// Points of the lights, drawn as those of light samples are.
+    pub fn light_points(&self) -> V3<Lane> {
+        let DrawnLight {
+            draw, at: [s, r], ..
+        } = self.draw_light();
+        self.view.patch_points(&draw.patch, &s, &r)
     }
 }
 

@@ -12,6 +12,8 @@ pub enum LightKind {
     Sampled,
     /// Delta lights, which no bounce finds.
     Delta,
+    /// The same, of which only what is scattered diffusely counts.
+    Diffuse,
 }
 
 /// The kinds of a packet's surfaces, a bit a lane.
@@ -79,6 +81,7 @@ impl Kinds {
         match light {
             LightKind::Sampled => [self.lit_by_samples(), self.wide],
             LightKind::Delta => [self.lit_by_delta_lights(), !self.smooth],
+            LightKind::Diffuse => [self.lit_by_delta_lights(), 0],
         }
     }
 
@@ -103,7 +106,7 @@ impl Kinds {
     pub fn lit_masks<F: Real<Mask = <Lane as Real>::Mask>>(&self, light: LightKind) -> LitMasks<F> {
         let [_, lobes] = self.lit_by(light);
         let coat = match light {
-            LightKind::Sampled => 0,
+            LightKind::Sampled | LightKind::Diffuse => 0,
             LightKind::Delta => u32::MAX,
         };
         LitMasks {

@@ -13,3 +13,4 @@ pub mod relief;
 pub mod rough_transmission;
 pub mod texture;
 pub mod vertex;
+pub mod world_bounce;

@@ -104,11 +104,6 @@ fn wrong_usage_is_told() {
                 "auto is not built yet",
             ),
             (
-                "forward s.xml --param floor.translation=1 --method warped-area",
-                2,
-                "not built yet",
-            ),
-            (
                 "forward s.xml --param floor.translation=1 --method magic",
                 2,
                 "reparam",

@@ -11,9 +11,9 @@ use crate::boundary::cells::environment::constant;
 use crate::boundary::search_scene::SearchScene;
 use crate::lanes::LANES;
 use crate::paths::at::At;
+use crate::paths::bounce::{Bounce, BounceEnd};
 use crate::paths::boundary_sample::Found;
 use crate::paths::dimensions::{Branch, Pair, Single};
-use crate::paths::estimator::{Bounce, BounceEnd};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
 

@@ -13,9 +13,9 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::paths::at::At;
+use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
 use crate::paths::chain_vertex::ChainVertex;
-use crate::paths::estimator::Bounce;
 use crate::paths::rays::lane_of;
 use glam::DVec3;
 
