@@ -28,3 +28,5 @@ mod standard_errors;
 mod transposition;
 mod transposition_ends;
 mod transposition_materials;
+mod warped_claims;
+mod warped_transposition;
