@@ -252,6 +252,9 @@ pub(super) fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
 /// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for
 /// itself: so programs write bodies with hard edges.
 pub fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
+    if geometry.normals.is_empty() {
+        return false;
+    }
     let ends = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];
         [vertices[corner], vertices[(corner + 1) % 3]]

@@ -52,6 +52,15 @@ fn shadows() {
     agree(&shadow(), &[("lamp.translation", &MOVED)], 256, 0.02);
 }
 
+/// A flat body whose faces have their own vertices, in a scene without a single shading normal.
+#[test]
+fn seams_of_flat_bodies() {
+    let (torn, _) = torn_apart(block());
+    let floor = || floor_seen(20, GAUSSIAN);
+    let seamed = lit(floor().solid("block", torn, [0.3, 0.6, 0.5]));
+    agree(&seamed, &[("block.translation", &MOVED)], 256, 0.02);
+}
+
 /// Edges near by, whose far ends are a hundred times as far away.
 #[test]
 fn contact() {
