@@ -1,6 +1,7 @@
 //! The repeats of all cells of a direction, each alone on the machine and the methods in turns.
 
 use super::cell::{Cell, Times};
+use super::config::Contestant;
 use super::figures;
 use super::one_run::Run;
 use super::reference::Reference;
@@ -17,7 +18,7 @@ const GRADIENT_IMAGES: u64 = 3;
 
 /// A cell while it is measured.
 struct Trial {
-    method: Method,
+    contestant: Contestant,
     spp: u32,
     runs: Vec<Run>,
     /// The sentence of a method that refuses.
@@ -34,7 +35,7 @@ pub struct Measured {
 pub fn paths(task: &Task) -> u64 {
     let effort = &task.plan.effort;
     let methods = effort.methods.iter();
-    let images: u64 = methods.map(|method| images(*method)).sum();
+    let images: u64 = methods.map(|one| images(one.method)).sum();
     let samples = effort.spp.iter().map(|spp| task.paths(*spp));
     samples.sum::<u64>() * images * effort.repeats as u64
 }
@@ -56,8 +57,8 @@ pub fn measure(
     let effort = &task.plan.effort;
     let mut trials: Vec<Trial> = Vec::new();
     for spp in &effort.spp {
-        trials.extend(effort.methods.iter().map(|method| Trial {
-            method: *method,
+        trials.extend(effort.methods.iter().map(|contestant| Trial {
+            contestant: contestant.clone(),
             spp: *spp,
             runs: Vec::new(),
             refused: None,
@@ -68,7 +69,7 @@ pub fn measure(
             if trial.refused.is_none() {
                 trial.run(task, repeat, progress)?;
             }
-            done(task.paths(trial.spp) * images(trial.method));
+            done(task.paths(trial.spp) * images(trial.contestant.method));
         }
     }
     let pictures = trials.iter().map(|trial| trial.picture(task.size));
@@ -81,7 +82,8 @@ pub fn measure(
 impl Trial {
     fn run(&mut self, task: &Task, repeat: usize, progress: &dyn Progress) -> Result<(), Failure> {
         let settings = Settings {
-            method: self.method,
+            method: self.contestant.method,
+            warp: self.contestant.warp,
             spp: self.spp,
             seed: nth_seed(task.settings.seed, repeat),
             ..task.settings.clone()
@@ -116,7 +118,7 @@ impl Trial {
     fn cell(&self, task: &Task, reference: &Reference) -> Cell {
         let repeats = task.plan.effort.repeats;
         let cell = |verdict, figures, times| Cell {
-            method: self.method.name().into(),
+            method: self.contestant.name.clone(),
             spp: self.spp,
             repeats,
             verdict,

@@ -4,9 +4,6 @@ use crate::discontinuity::adjacency::Adjacency;
 use crate::trace::geometry::Geometry;
 use glam::{DVec3, Vec3};
 
-/// Steepness of the test by normals (β of Bangaru et al.).
-const BETA: f64 = 0.01;
-
 /// Unit normals of vertices: means of those of the triangles around them, by area, over seams.
 pub fn vertex_normals(geometry: &Geometry) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; geometry.positions.len()];
@@ -43,7 +40,7 @@ pub fn vertex_normals(geometry: &Geometry) -> Vec<Vec3> {
 pub fn boundary_distance(
     geometry: &Geometry,
     adjacency: &Adjacency,
-    normals: &[Vec3],
+    (normals, beta): (&[Vec3], f64),
     (triangle, barycentrics): (u32, [f32; 2]),
     origin: DVec3,
 ) -> f64 {
@@ -52,7 +49,7 @@ pub fn boundary_distance(
     let by_vertices = |(v, b): (u32, f64)| {
         let to = (geometry.positions[v as usize].as_dvec3() - origin).normalize_or_zero();
         let cos2 = to.dot(normals[v as usize].as_dvec3()).powi(2);
-        b * cos2 / (BETA + (1.0 - BETA) * cos2)
+        b * cos2 / (beta + (1.0 - beta) * cos2)
     };
     let corners = geometry.triangles[triangle as usize];
     let mut distance: f64 = corners.into_iter().zip(b).map(by_vertices).sum();

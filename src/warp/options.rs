@@ -1,18 +1,14 @@
 //! The constants of both methods, with the published ones as defaults.
 
-use serde::{Deserialize, Serialize};
-
 /// Those of all methods that move samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WarpOptions {
     pub loubet: LoubetOptions,
     pub warped_area: WarpedAreaOptions,
 }
 
 /// Loubet et al. (2019), and the program that its authors published (`path-reparam`).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoubetOptions {
     /// Rays of a bundle through the film, over a light, and over a lobe or the environment; at least
     /// 2.
@@ -50,9 +46,9 @@ impl Default for LoubetOptions {
     }
 }
 
-/// Bangaru et al. (2020), with the constants of their program.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
+/// Bangaru et al. (2020), with the constants of Falcor's program. Their own has 8 rays, an exponent
+/// of 2 and a β of 0.01.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarpedAreaOptions {
     /// Auxiliary rays of each sample.
     pub rays: u32,
@@ -62,6 +58,8 @@ pub struct WarpedAreaOptions {
     pub film_px: f64,
     /// Exponent of the harmonic weights.
     pub exponent: f64,
+    /// β of the test for silhouettes by normals: c²/(β + (1 − β) c²) for a cosine c. 1: c² itself.
+    pub beta: f64,
     /// Whether every other ray mirrors the one before it.
     pub antithetic: bool,
     /// Whether the bias of few rays is removed by a random number of them (Russian roulette).
@@ -73,10 +71,11 @@ pub struct WarpedAreaOptions {
 impl Default for WarpedAreaOptions {
     fn default() -> Self {
         Self {
-            rays: 8,
+            rays: 16,
             kappa: 1e5,
             film_px: 0.2,
-            exponent: 2.0,
+            exponent: 3.0,
+            beta: 1.0,
             antithetic: true,
             debias: false,
             debias_chance: 0.4,

@@ -130,6 +130,7 @@ impl WarpedArea<'_> {
         let border = hit.map_or(1.0, |hit| {
             let place = (hit.triangle, hit.barycentrics);
             let normals = self.normals.get_or_init(|| vertex_normals(view.geometry));
+            let normals = (normals.as_slice(), self.options.beta);
             boundary_distance(view.geometry, self.adjacency, normals, place, origin)
         });
         let distance = grown - 1.0 + border;

@@ -94,6 +94,7 @@ fn warped_area_is_consistent() {
     let by = |rays: u32| {
         let mut options = WarpOptions::default();
         options.warped_area.rays = rays;
+        options.warped_area.antithetic = false;
         let found = agreement(&scene, MOVED, (Method::WarpedArea, options), [64, 512]);
         found.bias
     };

@@ -1,10 +1,10 @@
 //! How much is measured of each direction.
 
+use super::contestant::Contestant;
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::jobs::resolution::resolution;
 use crate::jobs::settings::MOST_SAMPLES;
-use crate::methods::{ESTIMATORS, Method};
 
 /// Runs of one cell; more are a typing error.
 const MOST_RUNS: u64 = 4096;
@@ -12,7 +12,7 @@ const MOST_RUNS: u64 = 4096;
 /// What is measured of each direction; scenes may have it otherwise than the rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
-    pub methods: Vec<Method>,
+    pub methods: Vec<Contestant>,
     pub spp: Vec<u32>,
     pub repeats: usize,
     /// Width and height in pixels; the film's if not said.
@@ -22,10 +22,10 @@ pub struct Effort {
 }
 
 /// What a table says of the effort, in place of what is usual.
-pub fn effort(table: &Table, usual: Effort) -> Result<Effort, Failure> {
+pub fn effort(table: &Table, usual: Effort, known: &[Contestant]) -> Result<Effort, Failure> {
     let size = |text: String| resolution(&text).map_err(|what| table.error("resolution", what));
     Ok(Effort {
-        methods: methods(table)?.unwrap_or(usual.methods),
+        methods: methods(table, known)?.unwrap_or(usual.methods),
         spp: sample_counts(table)?.unwrap_or(usual.spp),
         // The scatter of one run is unknown.
         repeats: runs(table, "repeats")?.unwrap_or(usual.repeats),
@@ -45,18 +45,18 @@ pub fn runs(table: &Table, key: &str) -> Result<Option<usize>, Failure> {
     Ok(table.count(key, 2, MOST_RUNS)?.map(|runs| runs as usize))
 }
 
-fn methods(table: &Table) -> Result<Option<Vec<Method>>, Failure> {
+fn methods(table: &Table, known: &[Contestant]) -> Result<Option<Vec<Contestant>>, Failure> {
     let Some(names) = table.texts("methods")? else {
         return Ok(None);
     };
-    let known = ESTIMATORS.each_ref().map(|row| row.name);
-    let mut methods: Vec<Method> = Vec::new();
+    let known_names: Vec<&str> = known.iter().map(|one| one.name.as_str()).collect();
+    let mut methods: Vec<Contestant> = Vec::new();
     for name in names {
-        let method = table.one_of("methods", &name, &known)?;
-        let Some(method) = Method::named(method).filter(|m| !methods.contains(m)) else {
+        let name = table.one_of("methods", &name, &known_names)?;
+        if methods.iter().any(|other| other.name == name) {
             return Err(table.error("methods", format!("{name} is there twice")));
-        };
-        methods.push(method);
+        }
+        methods.extend(known.iter().find(|one| one.name == name).cloned());
     }
     match methods.is_empty() {
         true => Err(table.error("methods", "none is named")),

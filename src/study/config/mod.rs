@@ -1,8 +1,10 @@
 //! `CONFIG.toml` of a study: which scenes, directions, methods and sample counts.
 
+mod contestant;
 mod effort;
 mod scene;
 
+pub use contestant::Contestant;
 pub use effort::Effort;
 pub use scene::{DirectionPlan, ScenePlan};
 
@@ -10,7 +12,6 @@ use crate::jobs::config::document;
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
 use crate::jobs::settings::MOST_SAMPLES;
-use crate::methods::ESTIMATORS;
 use crate::output::FileError;
 use crate::scene::nearest::nearest_hint;
 use effort::{effort, runs};
@@ -77,14 +78,15 @@ pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
     }
     let folder = file.parent().unwrap_or(Path::new(""));
     let table = Table::root(&root)?;
+    let known = contestant::all(&table)?;
     let usual = Effort {
-        methods: ESTIMATORS.iter().map(|row| row.method).collect(),
+        methods: known.clone(),
         spp: vec![16, 64, 256],
         repeats: 16,
         resolution: None,
         max_depth: None,
     };
-    let usual = effort(&table, usual)?;
+    let usual = effort(&table, usual, &known)?;
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let plan = Plan {
         title: table.text("title")?.unwrap_or(stem.into()),
@@ -92,7 +94,7 @@ pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
         seed: table.count("seed", 0, u64::MAX >> 1)?.unwrap_or(0),
         reference: reference(&table)?,
         peers: peers(&table, folder)?,
-        scenes: scene::all(&table, folder, &usual)?,
+        scenes: scene::all(&table, folder, (&usual, &known))?,
     };
     table.finish()?;
     Ok(plan)

@@ -1,5 +1,6 @@
 //! `[[scene]]`: a file and the directions in which its parameters move.
 
+use super::contestant::Contestant;
 use super::effort::{Effort, effort};
 use crate::jobs::config::document::{Node, Value};
 use crate::jobs::config::table::{Table, number};
@@ -34,7 +35,11 @@ pub struct DirectionPlan {
 }
 
 /// All scenes.
-pub fn all(root: &Table, folder: &Path, usual: &Effort) -> Result<Vec<ScenePlan>, Failure> {
+pub fn all(
+    root: &Table,
+    folder: &Path,
+    usual: (&Effort, &[Contestant]),
+) -> Result<Vec<ScenePlan>, Failure> {
     let tables = root.tables("scene")?;
     let mut scenes: Vec<ScenePlan> = Vec::with_capacity(tables.len());
     for table in tables {
@@ -54,7 +59,11 @@ pub fn all(root: &Table, folder: &Path, usual: &Effort) -> Result<Vec<ScenePlan>
     }
 }
 
-fn read(table: &Table, folder: &Path, usual: &Effort) -> Result<ScenePlan, Failure> {
+fn read(
+    table: &Table,
+    folder: &Path,
+    (usual, known): (&Effort, &[Contestant]),
+) -> Result<ScenePlan, Failure> {
     let file = table
         .text("file")?
         .ok_or_else(|| table.error("file", "it is missing; write file = \"scene.xml\""))?;
@@ -70,7 +79,7 @@ fn read(table: &Table, folder: &Path, usual: &Effort) -> Result<ScenePlan, Failu
         file,
         defines: table.defines("defines")?,
         symptom: table.text("symptom")?.unwrap_or_default(),
-        effort: effort(table, usual.clone())?,
+        effort: effort(table, usual.clone(), known)?,
         directions: directions(table, folder)?,
         place: table.place().into(),
     })

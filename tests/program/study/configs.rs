@@ -4,7 +4,7 @@ use super::CONFIG;
 use crate::workplace::{expect, text, typed, warpath, workplace};
 
 /// A part of the configuration, what it is replaced by, and what is said of it.
-const WRONG: [(&str, &str, &str); 19] = [
+const WRONG: [(&str, &str, &str); 23] = [
     ("spp = [4, 16]", "spp = = 3", "c.toml:2:7: not TOML"),
     (
         "repeats = 12",
@@ -71,6 +71,26 @@ const WRONG: [(&str, &str, &str); 19] = [
         "seed = 3",
         "peers = { file = \"p.json\" }",
         "peers.label: it is missing",
+    ),
+    (
+        "seed = 3",
+        "variant.wide = { method = \"reparam\" }",
+        "c.toml:4:27: variant.wide.method: ",
+    ),
+    (
+        "seed = 3",
+        "variant.wide = { method = \"loubet\", film_kernel = 1 }",
+        "the nearest known name is \"film_kernel_px\"",
+    ),
+    (
+        "seed = 3",
+        "variant.fd = { method = \"loubet\" }",
+        "variant.fd: a method has this name",
+    ),
+    (
+        "seed = 3",
+        "variant.odd = { method = \"warped-area\", rays = 5 }",
+        "write an even number",
     ),
 ];
 
