@@ -1,7 +1,7 @@
-//! The film's samples: one shifted lattice a tile and group.
+//! The film's samples: one shifted lattice a group, cut into tiles.
 //!
 //! A group of samples puts `columns × rows` points in every pixel, on a regular lattice that is
-//! shifted as a whole by one random vector a tile. Every interval between neighbours in a row or a
+//! shifted as a whole by one random vector. Every interval between neighbours in a row or a
 //! column is a *cell* of the change of variables (`boundary::cells::film::search`); so that the
 //! cells cover the tile completely, the lattice has one more point beyond each side of the tile,
 //! which belongs to no pixel's sum.
@@ -88,7 +88,10 @@ impl Lattice {
         let start = [bound(0, at[0]), bound(1, at[1])];
         let end = [bound(0, at[0] + 1), bound(1, at[1] + 1)];
         let step = self.per_pixel.map(|n| 1.0 / n as f64);
-        let shift = [0, 1].map(|axis| stream.single(Single::LatticeShift, [axis, 0, 0]));
+        // One for all tiles. The weights of a pixel's filter, and their slopes even more, sum up well
+        // over a lattice that goes on, and badly over one that is broken at the borders of tiles.
+        let whole = Stream::new(seed, [group, u32::MAX]);
+        let shift = [0, 1].map(|axis| whole.single(Single::LatticeShift, [axis, 0, 0]));
         Tile {
             start,
             end,

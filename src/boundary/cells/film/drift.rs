@@ -3,8 +3,10 @@
 //! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or plastic
 //! the node follows what it hits of such surfaces, because their light changes along them. Where it
 //! meets many things the node follows all that it hits: there are too many borders to find, on the
-//! film and in what its vertices see, and they move about as the points do. Elsewhere it rests. The
-//! few borders there are found for sure, and an image's noise would be worse than theirs.
+//! film and in what its vertices see, and they move about as the points do. Before an environment map
+//! it does so everywhere if the camera moves and paths are long, since the whole world rests then.
+//! Elsewhere the node rests. The few borders there are found for sure, and an image's noise would be
+//! worse than theirs.
 
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
@@ -28,7 +30,8 @@ const MANY: usize = 3;
 
 /// Makes the drift of a film; `None` if it rests everywhere.
 pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
-    let may = scene.view.materials.any_special || scene.pieces().count() + 1 >= MANY;
+    let many = scene.pieces().count() + 1 >= MANY;
+    let may = scene.view.materials.any_special || many || follows_all(scene);
     if !film.filter.is_continuous() || !may {
         return None;
     }
@@ -65,7 +68,7 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
     );
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
-    let sees_many = sees_many(scene, &seen);
+    let sees_many = follows_all(scene) || sees_many(scene, &seen);
     let is_followed = |&lane: &usize| {
         let triangle = seen[lane];
         triangle != NO_TRIANGLE && (sees_many || is_special(scene, triangle))
@@ -91,6 +94,13 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
     let all = lanes.iter().map(follow);
     all.filter(|f| f.barycentrics.iter().all(|b| b.is_finite()))
         .collect()
+}
+
+/// Whether all nodes follow all that they hit.
+fn follows_all(scene: &SearchScene) -> bool {
+    let view = scene.view;
+    let is_long = view.limits.max_depth > 2;
+    is_long && view.map_distribution.is_some() && scene.moving.camera_lanes() != 0
 }
 
 /// Whether these are of many pieces.
