@@ -87,7 +87,9 @@ fn behind_a_soft_cut_out() {
 fn behind_a_sharp_cut_out() {
     let scene = cut_out(behind_a_sheet().masked("sheet", 0.4), "sheet", false);
     checked(&scene, 256, "plate.translation", 0.03);
-    checked(&scene, 256, "sheet.translation", 0.03);
+    // At the usual step differences are off by a hundredth: edges pass behind edges.
+    let moved = [("sheet.translation", MOVED.as_slice())];
+    check_to(0.03, &scene, &moved, 256, Some(0.004), Fails);
     checked(&scene, 256, "cam.translation", 0.02);
 }
 
