@@ -83,10 +83,10 @@ pub enum Discontinuity {
     BeamEdge,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,
-    /// What is seen behind surfaces that do nothing to light.
+    /// What is seen behind surfaces that do nothing to light, and behind masks.
     BehindNull,
-    /// What is seen behind masks and thin panes, or in a perfectly smooth surface that is part of a
-    /// mixture or whose normals a picture turns.
+    /// What is seen in or behind a perfectly smooth surface, a null one or a mask that is part of a
+    /// mixture, or whose normals a picture turns.
     BehindMixture,
     /// Shadows of delta lights that are seen in perfectly smooth surfaces, or behind what does
     /// nothing to light.

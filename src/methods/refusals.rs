@@ -5,7 +5,9 @@ use super::estimators::{Discontinuity, Method};
 use crate::boundary::edges::intersections;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::scene_view::SceneView;
-use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
+use crate::scene::{
+    BeamProfile, Bsdf, DeltaLight, Layout, Lens, Mesh, Scene, SceneDifferential, Sensor,
+};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 // Long: one refusal after another.
@@ -49,33 +51,22 @@ pub fn check(
     for m in used {
         let material = &scene.materials[m];
         let key = &material.key;
-        if matches!(material.bsdf, Bsdf::Blend { .. })
+        let is_null = material.bsdf == Bsdf::Null;
+        let is_mask = !is_null && scene.passes_straight_on(m);
+        let is_smooth = !is_null && material.bsdf.is_smooth();
+        if matches!(material.bsdf, Bsdf::Blend { .. } | Bsdf::Mask { .. })
             && !scene.delta_lights.is_empty()
             && misses(Discontinuity::SharpShadowOnBlend)
         {
             return refuse(format!(
-                "{key}: the sharp shadows of point and directional lights are not followed on a blend, so gradients by what \
-                 moves would be wrong; use small area lights, or one bsdf"
+                "{key}: the sharp shadows of point and directional lights are not followed on a mask or a blend, so \
+                 gradients by what moves would be wrong; use small area lights, or one bsdf"
             ));
         }
-        if material.bsdf == Bsdf::Null && misses(Discontinuity::BehindNull) {
+        if (is_null || is_mask) && misses(Discontinuity::BehindNull) {
             return refuse(format!(
-                "{key}: behind a null surface edges are not found, so gradients by what moves would be wrong; \
-                 take the surface out"
-            ));
-        }
-        let is_pane = matches!(material.bsdf, Bsdf::ThinDielectric { .. });
-        let is_mask = material.bsdf != Bsdf::Null && scene.passes_straight_on(m);
-        if is_mask && !is_pane && misses(Discontinuity::BehindMixture) {
-            return refuse(format!(
-                "{key}: behind a mask edges are not found, so gradients by what moves would be wrong; \
-                 cut the mask's outline out of the mesh, or make the mask opaque"
-            ));
-        }
-        if is_pane && misses(Discontinuity::BehindMixture) {
-            return refuse(format!(
-                "{key}: edges seen through a thin pane are not found, so gradients by what moves would be wrong; \
-                 use two sheets of dielectric"
+                "{key}: behind a null surface or a mask edges are not found, so gradients by what moves would be wrong; \
+                 take the surface out, or make the mask opaque"
             ));
         }
         if is_layered(&material.bsdf) && misses(Discontinuity::InLayers) {
@@ -85,34 +76,29 @@ pub fn check(
                 method.name()
             ));
         }
-        let is_smooth = matches!(
-            material.bsdf,
-            Bsdf::Conductor {
-                microfacets: None,
-                ..
-            } | Bsdf::Dielectric {
-                microfacets: None,
-                ..
-            } | Bsdf::Plastic {
-                microfacets: None,
-                ..
-            }
-        );
         if is_smooth && misses(Discontinuity::Mirrored) {
             return refuse(format!(
                 "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
                  moves would be wrong; use its rough variant with an alpha such as 0.01"
             ));
         }
-        let is_whole = scene.meshes.iter().any(|mesh| mesh.material == m);
-        let is_mixed = is_smooth && (!is_whole || material.relief.is_some());
-        if is_mixed && misses(Discontinuity::BehindMixture) {
+        let is_part =
+            |mesh: &Mesh| mesh.material != m && scene.parts_of(mesh.material).contains(&m);
+        let is_mixed = material.relief.is_some() || scene.meshes.iter().any(is_part);
+        if (is_smooth || is_null) && is_mixed && misses(Discontinuity::BehindMixture) {
             return refuse(format!(
-                "{key}: edges seen in a perfectly smooth surface that is blended, masked or given a relief are not found, \
-                 so gradients by what moves would be wrong; use its rough variant with an alpha such as 0.01"
+                "{key}: edges seen in a perfectly smooth surface, or behind a null one, that is blended, masked or given \
+                 a relief are not found, so gradients by what moves would be wrong; use a rough variant with an alpha such \
+                 as 0.01"
             ));
         }
-        if (is_smooth || material.bsdf == Bsdf::Null)
+        if is_mask && is_mixed && misses(Discontinuity::BehindMixture) {
+            return refuse(format!(
+                "{key}: edges behind a mask that is part of a blend or of another mask are not found, so gradients by what \
+                 moves would be wrong; put the mask around all of it"
+            ));
+        }
+        if (is_smooth || is_null)
             && misses(Discontinuity::MirroredShadow)
             && let Some(light) = scene.delta_lights.first()
         {

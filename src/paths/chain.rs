@@ -15,7 +15,7 @@ use crate::paths::rays::OFFSET;
 use crate::paths::scene_view::SceneView;
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::Kinds;
-use crate::paths::surface::materials::{ETA, SLOTS};
+use crate::paths::surface::materials::{ETA, OPACITY, SLOTS};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
 
@@ -118,13 +118,13 @@ impl<'a> Meeting<'a> {
         let entry = view.materials.of_mesh(view.scene, mesh);
         let mut kinds = entry.kinds;
         let is_back = facing < 0.0;
-        if is_back && !entry.two_sided && (kinds.dielectric | kinds.null) == 0 {
+        if is_back && !entry.two_sided && (kinds.dielectric | kinds.null | kinds.masked) == 0 {
             kinds = Kinds {
                 black: 1,
                 ..Kinds::default()
             };
         }
-        if is_back && kinds.dielectric != 0 {
+        if is_back && kinds.dielectric != 0 && kinds.thin == 0 {
             kinds.inside = u32::MAX;
         }
         Some(Self {
@@ -153,15 +153,20 @@ impl<'a> Meeting<'a> {
         if self.kinds.null != 0 {
             return none(Bend::Straight);
         }
+        if self.kinds.masked != 0 {
+            // Between the rays may be holes, where they see none.
+            let passing = (1.0 - self.opacity()).max(LEAST_CHANCE);
+            return [(Bend::Straight, passing), (Bend::Reflected, 0.0)];
+        }
         if self.kinds.conductor != 0 {
             return none(Bend::Reflected);
         }
+        let onward = self.onward();
         let reflected = self
             .bent(Bend::Reflected)
             .map_or(0.0, |(_, w)| w.max_element());
         let refracted = if self.kinds.dielectric != 0 {
-            self.bent(Bend::Refracted)
-                .map_or(0.0, |(_, w)| w.max_element())
+            self.bent(onward).map_or(0.0, |(_, w)| w.max_element())
         } else {
             // A plastic's diffuse part.
             1.0 - reflected
@@ -174,7 +179,16 @@ impl<'a> Meeting<'a> {
                 (Bend::Refracted, 0.0),
             ];
         }
-        [(Bend::Reflected, a), (Bend::Refracted, b)]
+        [(Bend::Reflected, a), (onward, b)]
+    }
+
+    /// What glass does with the ray that it does not reflect.
+    fn onward(&self) -> Bend {
+        if self.kinds.thin != 0 {
+            Bend::Straight
+        } else {
+            Bend::Refracted
+        }
     }
 
     /// The unit direction in which it goes on, and what the radiance from there is multiplied with;
@@ -182,16 +196,22 @@ impl<'a> Meeting<'a> {
     pub fn bent(&self, bend: Bend) -> Option<(DVec3, DVec3)> {
         let does = match bend {
             Bend::Reflected => self.kinds.conductor | self.kinds.dielectric | self.kinds.plastic,
-            Bend::Refracted => self.kinds.dielectric,
-            Bend::Straight => self.kinds.null,
+            Bend::Refracted => self.kinds.dielectric & !self.kinds.thin,
+            Bend::Straight => self.kinds.null | self.kinds.thin | self.kinds.masked,
         };
         if does == 0 || !self.is_smooth() {
             return None;
         }
+        if self.kinds.masked != 0 {
+            let passing = DVec3::splat(1.0 - self.opacity());
+            return Some((self.direction.normalize(), passing));
+        }
         let lobes = LobeMasks {
             is_diffuse: false,
             is_reflected: bend == Bend::Reflected,
-            is_refracted: bend == Bend::Refracted,
+            // The kernel knows what a pane lets through as refracted.
+            is_refracted: bend == Bend::Refracted
+                || (bend == Bend::Straight && self.kinds.thin != 0),
             is_coat: false,
         };
         let (next, weight) = bsdf_sample::<f64>(
@@ -234,18 +254,35 @@ impl<'a> Meeting<'a> {
         self.x + self.geometric * (step * self.geometric.dot(direction).signum())
     }
 
-    fn interface(&self) -> Interface<f64> {
-        let mut slots = [Vec3::ZERO; SLOTS];
-        slots[ETA] = Vec3::splat(1.5);
+    /// How much of a mask is there.
+    fn opacity(&self) -> f64 {
+        let mut opacity = 1.0;
+        self.for_each_slot(|slot, value| {
+            if slot == OPACITY {
+                opacity = f64::from(value.x);
+            }
+        });
+        opacity
+    }
+
+    fn for_each_slot(&self, mut each: impl FnMut(usize, Vec3)) {
         let b = self.b.map(|b| b as f32);
         let (scene, geometry) = (self.view.scene, self.view.geometry);
         let mesh = geometry.mesh_of_triangle[self.triangle as usize] as usize;
         for &(slot, texture) in &self.view.materials.of_mesh(scene, mesh).slots {
-            if slot < SLOTS {
-                let (lookup, _) = texture_at(scene, geometry, texture, self.triangle, b);
-                slots[slot] = lookup.value;
-            }
+            let (lookup, _) = texture_at(scene, geometry, texture, self.triangle, b);
+            each(slot, lookup.value);
         }
+    }
+
+    fn interface(&self) -> Interface<f64> {
+        let mut slots = [Vec3::ZERO; SLOTS];
+        slots[ETA] = Vec3::splat(1.5);
+        self.for_each_slot(|slot, value| {
+            if slot < SLOTS {
+                slots[slot] = value;
+            }
+        });
         let [reflectance, second_reflectance, eta, k, alpha] = slots.map(|v| v.as_dvec3());
         Interface {
             reflectance: vector(reflectance),

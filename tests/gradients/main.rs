@@ -24,6 +24,7 @@ mod long;
 mod needs;
 mod refusals;
 mod second_estimator;
+mod see_through;
 mod standard_errors;
 mod transposition;
 mod transposition_ends;

@@ -7,7 +7,7 @@ use common::{Quiet, direction, settings};
 use glam::{Mat3, Vec3, vec2, vec3};
 use std::f32::consts::PI;
 use warpath::methods::{Method, forward};
-use warpath::scene::{Beam, BeamProfile, DeltaLight, DeltaLightKind, Lens, Scene, Texture};
+use warpath::scene::{Beam, BeamProfile, Bsdf, DeltaLight, DeltaLightKind, Lens, Scene, Texture};
 
 fn close_up() -> Scene {
     common::comparison::close_up().constant_environment([0.7, 0.8, 1.0])
@@ -25,6 +25,13 @@ fn refusal(scene: &Scene, method: Method, key: &str, by: &[f32]) -> Option<Strin
 fn refused(scene: &Scene, key: &str, by: &[f32], about: &str) {
     let said =
         refusal(scene, Method::Reparam, key, by).unwrap_or_else(|| panic!("{key} is not refused"));
+    assert!(said.contains(about), "{key}: {said}");
+}
+
+/// By a method, for what moves.
+fn refused_by(scene: &Scene, method: Method, key: &str, about: &str) {
+    let said = refusal(scene, method, key, &MOVED);
+    let said = said.unwrap_or_else(|| panic!("{key} is not refused"));
     assert!(said.contains(about), "{key}: {said}");
 }
 
@@ -80,6 +87,54 @@ fn sharp_shadows_are_not_refused() {
     let direction = vec3(0.0, 0.0, -1.0);
     let scene = lamp(DeltaLightKind::Directional { direction });
     taken(&scene, Method::Reparam, "block.translation", &MOVED);
+}
+
+/// Of a mixture chains know only that a mask lets light through.
+#[test]
+fn what_is_smooth_inside_of_mixtures() {
+    let masked = close_up().masked("block", 0.5);
+    taken(&masked, Method::Reparam, "block.translation", &MOVED);
+    refused_by(&masked, Method::Edges, "block.translation", "a mask");
+    let pane = close_up().pane("block");
+    taken(&pane, Method::Reparam, "block.translation", &MOVED);
+    let smooth = close_up().mirror("block").masked("block", 0.5);
+    refused_by(
+        &smooth,
+        Method::Reparam,
+        "block.translation",
+        "blended, masked",
+    );
+    let twice = masked.masked("block", 0.5);
+    refused_by(&twice, Method::Reparam, "block.translation", "another mask");
+    // Also where another mesh is all of it.
+    let mut shared = close_up().null("floor").masked("block", 0.5);
+    let material = |id: &str| {
+        shared
+            .meshes
+            .iter()
+            .find(|m| m.id == id)
+            .map(|m| m.material)
+    };
+    let (floor, block) = (material("floor"), material("block"));
+    if let (Some(floor), Some(block)) = (floor, block)
+        && let Bsdf::Mask { nested, .. } = &mut shared.materials[block].bsdf
+    {
+        *nested = floor;
+    }
+    refused_by(
+        &shared,
+        Method::Reparam,
+        "block.translation",
+        "blended, masked",
+    );
+    let position = vec3(0.3, 0.2, 2.0);
+    let lit = lamp(DeltaLightKind::Point { position }).masked("block", 0.5);
+    refused_by(
+        &lit,
+        Method::Reparam,
+        "block.translation",
+        "a mask or a blend",
+    );
 }
 
 #[test]

@@ -25,6 +25,8 @@ pub const FLATNESS: usize = 13;
 pub const CLEARCOAT: usize = 14;
 pub const CLEARCOAT_GLOSS: usize = 15;
 pub const ALL_SLOTS: usize = 16;
+/// That of masks, which go to no kernel.
+pub const OPACITY: usize = ALL_SLOTS;
 
 /// Rough conductors and plastics this rough or rougher are also lit by light samples, and their
 /// lobes differentiated in the lights' coordinates. Narrower lobes see lights along their
@@ -233,8 +235,15 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             }
         }
         Bsdf::Null => kinds.null = ALL,
-        // Never met: their parts are.
-        Bsdf::Mask { .. } | Bsdf::Blend { .. } => {}
+        // Paths meet what is nested; chains go through the rest.
+        Bsdf::Mask { opacity, .. } => {
+            if least(scene, opacity) < 1.0 {
+                kinds.masked = ALL;
+                set(OPACITY, opacity);
+            }
+        }
+        // Never met: its parts are.
+        Bsdf::Blend { .. } => {}
     }
     let mut transmission = None;
     match rough {

@@ -97,7 +97,8 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         if self.depth + number + 1 >= view.limits.rr_depth {
             let brightest = rays.iter().map(|ray| ray.weight.max_element());
             let brightest = brightest.fold(0.0, f64::max) * next.inverse_chance;
-            let survives = brightest.min(0.95);
+            // A mask may let more through between its rays than along them.
+            let survives = brightest.clamp(LEAST_CHANCE, 0.95);
             if self.draw() >= survives {
                 return;
             }
