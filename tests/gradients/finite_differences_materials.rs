@@ -84,7 +84,7 @@ fn facets_seen_in_a_reflection() {
     let body = ball(3, vec3(0.1, 1.9, 1.5), 0.5);
     let solid = small_floor().solid("ball", body.clone(), [0.75; 3]);
     let smooth = small_floor().smooth("ball", body, [0.75; 3]);
-    for (scene, resolution) in [(solid, 0.02), (smooth, 0.01)] {
+    for (scene, resolution) in [(solid, 0.02), (smooth, 0.012)] {
         let scene = lit(scene).depth(3).metal("floor", 0.05, Ggx);
         let moved = ("ball.translation", [1.0, 0.0, 0.2].as_slice());
         check_to(resolution, &scene, &[moved], 512, Some(0.01), Fails);
