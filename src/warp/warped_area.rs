@@ -11,7 +11,7 @@
 //!
 //!   ∇w = −γ w/(D + B) ∇D = γ κ w e^t/(D + B) ω_i, as far as that is tangential.
 //!
-//! With few rays E[1/Σw] is not 1/E[Σw], so V does not quite have the silhouettes' velocity: the
+//! With few rays the mean of 1/Σw is not one over that of Σw, so V does not quite have the silhouettes' velocity: the
 //! method is consistent, and not unbiased. Russian roulette over the number of rays removes that
 //! (§5.2 there): V is the telescoping sum of the differences that further batches make.
 

@@ -142,7 +142,7 @@ fn kept_above(cos: Lane, kappa: f64) -> Lane {
     }))
 }
 
-/// The logarithm's derivative of [`kept_above`] by the cosine.
+/// The derivative, by the cosine, of the logarithm of the part of a kernel that is kept above.
 pub fn log_kept_above_by_cos(cos: f64, kappa: f64) -> f64 {
     let x = kappa.sqrt() * cos.max(0.0);
     let density = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
