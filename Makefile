@@ -68,6 +68,7 @@ study: deps
 	$(BUILD)
 	rm -f out/study/study.jsonl
 	$(CARGO_RUN) study scenes/failures/study.toml -o out/study --report docs/stability.md
+	cp out/study/summary.svg docs/pictures/battery.svg
 
 test-bare-debian:
 	scripts/test-bare-debian

@@ -42,6 +42,9 @@ impl LogAxis {
     /// Numbers to mark: powers of ten, or also their doubles and halves where there are few.
     pub fn marks(&self) -> Vec<f64> {
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+        // A dozen labels have room.
+        let every = ((self.high - self.low) / 12.0).ceil().max(1.0) as i32;
+        let decades = decades.filter(|d| d % every == 0);
         let factors: &[f64] = match self.high - self.low {
             range if range < 2.0 => &[1.0, 2.0, 5.0],
             _ => &[1.0],

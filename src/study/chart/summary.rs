@@ -6,8 +6,13 @@ use super::svg::{Anchor, Svg};
 use crate::methods::Method;
 use crate::study::cell::{Cell, Row};
 use crate::study::verdict::Kind;
+use std::collections::BTreeMap;
 
-const WIDTH: f64 = 720.0;
+/// Points that are worth less stand here: one that finds noise where there is nothing would squeeze
+/// all others together.
+const LEAST_WORTH: f64 = 1e-5;
+/// Of a letter of the words at the right.
+const LETTER: f64 = 4.7;
 const NAMES: f64 = 210.0;
 const VERDICTS: f64 = 590.0;
 const LINE: f64 = 17.0;
@@ -20,7 +25,10 @@ pub fn svg(rows: &[Row]) -> String {
     let points = || rows.iter().flat_map(last_cells).filter_map(worth);
     let x = LogAxis::around(points().chain([1.0]), NAMES + 10.0, VERDICTS - 10.0);
     let bottom = TOP + LINE * rows.len() as f64;
-    let mut svg = Svg::new(WIDTH, bottom + 44.0);
+    let words: Vec<String> = rows.iter().map(not_right).collect();
+    let longest = words.iter().map(String::len).max().unwrap_or(0);
+    let width = VERDICTS + (LETTER * longest as f64).max(130.0);
+    let mut svg = Svg::new(width, bottom + 44.0);
     let title = "Efficiency 1/(error² · processor time) over that of finite differences";
     svg.text([12.0, 20.0], Anchor::Start, 14.0, "#111", title);
     let mut at = 12.0;
@@ -52,12 +60,11 @@ pub fn svg(rows: &[Row]) -> String {
         );
     }
     svg.line([x.at(1.0), TOP - 10.0], [x.at(1.0), bottom], "#888", "");
-    for (i, row) in rows.iter().enumerate() {
+    for (i, (row, words)) in rows.iter().zip(&words).enumerate() {
         let y = TOP + LINE * i as f64;
         let name = format!("{} {}", row.scene, row.direction);
         svg.text([NAMES, y + 4.0], Anchor::End, 11.0, "#222", &name);
         svg.line([NAMES + 8.0, y], [VERDICTS - 8.0, y], "#f0f0f0", "");
-        let mut words = Vec::new();
         for cell in last_cells(row) {
             let colour = colour(methods.iter().position(|m| *m == cell.method).unwrap_or(0));
             if let Some(worth) = worth(cell) {
@@ -68,20 +75,14 @@ pub fn svg(rows: &[Row]) -> String {
                     cell.verdict.kind == Kind::Right,
                 );
             }
-            if cell.verdict.kind != Kind::Right {
-                words.push(format!("{} {}", cell.method, cell.verdict.kind.name()));
-            }
         }
-        svg.text(
-            [VERDICTS, y + 4.0],
-            Anchor::Start,
-            9.0,
-            "#666",
-            &words.join(", "),
-        );
+        svg.text([VERDICTS, y + 4.0], Anchor::Start, 9.0, "#666", words);
     }
-    let scale = "1: as good as finite differences of as many samples; to the right, better";
-    svg.text([NAMES, bottom + 32.0], Anchor::Start, 11.0, "#444", scale);
+    let scale = format!(
+        "1: as good as finite differences of as many samples; to the right, better. What is worth less than {} stands there",
+        label(LEAST_WORTH)
+    );
+    svg.text([12.0, bottom + 32.0], Anchor::Start, 11.0, "#444", &scale);
     svg.finish(title)
 }
 
@@ -106,5 +107,19 @@ fn last_cells(row: &Row) -> impl Iterator<Item = &Cell> {
 }
 
 fn worth(cell: &Cell) -> Option<f64> {
-    cell.times.as_ref()?.relative_efficiency
+    let worth = cell.times.as_ref()?.relative_efficiency?;
+    Some(worth.max(LEAST_WORTH))
+}
+
+/// Which methods are not right, by verdicts.
+fn not_right(row: &Row) -> String {
+    let mut by_verdict: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for cell in last_cells(row).filter(|cell| cell.verdict.kind != Kind::Right) {
+        let methods = by_verdict.entry(cell.verdict.kind.name()).or_default();
+        methods.push(&cell.method);
+    }
+    let words = by_verdict
+        .iter()
+        .map(|(verdict, methods)| format!("{verdict}: {}", methods.join(", ")));
+    words.collect::<Vec<_>>().join("; ")
 }
