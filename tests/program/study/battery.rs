@@ -123,7 +123,11 @@ fn bounds_that_do_not_hold_end_with_1() {
             "below 1000000000",
         ),
         ("[[bound]]\nverdict = [\"refused\"]\n", 1, "not refused"),
-        ("[[bound]]\nat_least = { rays = 1 }\n", 0, ""),
+        (
+            "[[bound]]\nmethod = \"reparam\"\nat_least = { rays = 1 }\n",
+            0,
+            "",
+        ),
         (
             "[[bound]]\nspp = 5\nat_least = { rays = 1 }\n",
             3,
