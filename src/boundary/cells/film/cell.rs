@@ -16,6 +16,9 @@ use glam::DVec3;
 /// How far beside a silhouette the probes look at most, in pixels.
 const PROBE_PIXELS: f64 = 1e-3;
 
+/// What is said to look alike does so for so many points of the lattice all around.
+const ABOUT: usize = 3;
+
 /// A row (axis 0) or a column (axis 1) of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct LatticeLine {
@@ -97,6 +100,31 @@ impl<'a> LatticeCells<'a> {
         let [a, b] = [at, at + 1].map(|at| self.direction(line, at as f64));
         let origin = self.scene.view.camera.origin.as_dvec3();
         self.scene.moving.meets(&Sector::between(origin, a, b))
+    }
+
+    /// Whether all points about number `at` of a line and the next that see the same mesh as these
+    /// have one radiance.
+    pub fn looks_alike(&self, line: LatticeLine, at: usize) -> bool {
+        let FilmTile {
+            tile, image, view, ..
+        } = *self.film;
+        let mesh = |point: usize| {
+            let triangle = image.triangle[point];
+            (triangle != NO_TRIANGLE).then(|| view.geometry.mesh_of_triangle[triangle as usize])
+        };
+        let [a, b] = [at, at + 1].map(|at| self.index(line, at));
+        let meshes = [a, b].map(mesh);
+        let about = |number: usize, most: usize, points: usize| {
+            number.saturating_sub(ABOUT)..(number + most + ABOUT).min(points)
+        };
+        let [along, across] = [tile.points[line.axis], tile.points[1 - line.axis]];
+        about(line.number, 1, across).all(|number| {
+            let line = LatticeLine { number, ..line };
+            about(at, 2, along).all(|at| {
+                let point = self.index(line, at);
+                image.radiance[point] == image.radiance[a] || !meshes.contains(&mesh(point))
+            })
+        })
     }
 
     /// The direction at a distance from a line's first point in steps of the lattice.

@@ -31,8 +31,8 @@ use crate::paths::rays::from_lanes;
 use glam::Vec3;
 use std::collections::BTreeSet;
 
-/// Of the cells whose ends look alike one in this many is searched and stands for all, but in
-/// crowds.
+/// Of the cells about which all looks alike one in this many is searched and stands for all, but
+/// in crowds.
 const UNLIKELY: u32 = 8;
 
 /// Finds what jumps between all neighbours between which something that moves may be seen.
@@ -109,11 +109,12 @@ fn searched_cells<'a>(
                 }
                 let number = (axis * columns * rows + point) as u32;
                 let mut choice = tile.stream.single(Single::FilmEdge, [number, 0, 0]) as f64;
-                // Equal radiances mostly mean that there is no jump, unless both are in shadow.
+                // Equal radiances all about mostly mean that there is no jump, unless all are in
+                // shadow. The ends alone say little where paths see one of two things.
                 let mut weight = 1;
                 let radiance = image.radiance[point];
                 let ends = [at, at + 1].map(|at| cells.direction(line, at as f64));
-                let is_unlikely = radiance == image.radiance[next]
+                let is_unlikely = cells.looks_alike(line, at)
                     && radiance != [0.0; 3]
                     && (cells.goes_on(ends, [a, b])
                         || !crowds.contain(cells.position(line, at as i64), search.counts));
