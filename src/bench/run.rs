@@ -5,9 +5,9 @@ use super::contestant::{Contestant, is_first_of_library};
 use super::measure::{Budget, Record, timed};
 use super::number::Number;
 use super::rays::{RAYS, Workload, workloads};
-use crate::methods::{self, EngineError, Method, Progress, Settings};
+use crate::methods::{self, Constants, EngineError, Method, Progress, Settings};
 use crate::trace::{Accel, AccelOptions, Backend, MeshView, TraceError};
-use crate::warp::options::WarpOptions;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -226,7 +226,8 @@ impl Bench<'_> {
         };
         let scene = &self.case.scene;
         let settings = Settings {
-            warp: WarpOptions::default(),
+            constants: Constants::default(),
+            tiles: None,
             spp: GRADIENT_SPP,
             seed: 1,
             threads,

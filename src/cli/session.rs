@@ -8,7 +8,7 @@ use super::report::{Report, SceneReport};
 use super::signals::Signals;
 use crate::jobs::machine;
 use crate::jobs::settings::{self, RequestedSettings};
-use crate::methods::{ESTIMATORS, EngineError, Method, Progress, Settings, Statistics};
+use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
 use crate::output::{FileError, atomic};
 use crate::scene::{self, Scene};
 use std::ffi::OsString;
@@ -222,16 +222,10 @@ fn warn(scene: &Scene, arguments: &SceneArguments, log: Log) -> Result<(), Failu
     Ok(())
 }
 
-/// The method of this name, refusing those that are still to come.
+/// The method of this name, which the command line knows.
 pub fn method(name: &str) -> Result<Method, Failure> {
-    Method::named(name).ok_or_else(|| {
-        let names = ESTIMATORS.each_ref().map(|estimator| estimator.name);
-        let built = match &names[..] {
-            [others @ .., last] => format!("{} or {last}", others.join(", ")),
-            [] => String::new(),
-        };
-        Failure::Usage(format!("--method {name} is not built yet; use {built}"))
-    })
+    let unknown = || Failure::Usage(format!("--method {name}: there is no such method"));
+    Method::named(name).ok_or_else(unknown)
 }
 
 /// As many as asked for, or the cores this process may use.

@@ -3,7 +3,7 @@
 use crate::batch::queue::scheduler::ShardChoice;
 use crate::jobs::numbers::Numbers;
 use crate::jobs::resolution;
-use crate::methods::{ESTIMATORS, NOT_BUILT_YET};
+use crate::methods::ESTIMATORS;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 /// A parameter's key with its tangent.
@@ -73,12 +73,11 @@ pub fn depth(text: &str) -> Result<u32, String> {
     }
 }
 
-/// The name of a method; those that are still to come are known, and not shown.
+/// The name of a method.
 pub fn method() -> PossibleValuesParser {
     let built = ESTIMATORS.iter();
     let built = built.map(|e| PossibleValue::new(e.name).help(e.about));
-    let to_come = NOT_BUILT_YET.map(|name| PossibleValue::new(name).hide(true));
-    PossibleValuesParser::new(built.chain(to_come))
+    PossibleValuesParser::new(built)
 }
 
 /// A number of threads.

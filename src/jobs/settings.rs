@@ -2,10 +2,9 @@
 
 use super::failure::Failure;
 use super::shown::counted;
-use crate::methods::{Groups, Method, Settings};
+use crate::methods::{Constants, Groups, Method, Settings};
 use crate::scene::Scene;
 use crate::trace::Backend;
-use crate::warp::options::WarpOptions;
 
 /// Camera paths per pixel; more are better had from several seeds.
 pub const MOST_SAMPLES: u32 = 1 << 20;
@@ -36,7 +35,8 @@ impl RequestedSettings {
         check_sensor(scene, self.sensor)?;
         let sensor = &scene.sensors[self.sensor];
         let settings = Settings {
-            warp: WarpOptions::default(),
+            constants: Constants::default(),
+            tiles: None,
             spp: self.spp.unwrap_or(sensor.sample_count).max(1),
             seed: self.seed.unwrap_or(sensor.seed.into()),
             threads: self.threads,

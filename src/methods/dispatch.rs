@@ -4,11 +4,12 @@ use super::differences;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
 use super::objective::{self, Evaluation, Objective};
+use super::pilot::Question;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
-use super::statistics::Statistics;
+use super::statistics::{Pilot, Statistics};
 use super::tails::object_of;
 use super::workers::Workers;
 use crate::picture::Image;
@@ -43,6 +44,17 @@ pub fn forward(
     let mut done = prepared.forward(settings, direction, progress)?;
     done.statistics.spend("build", prepared.build_seconds);
     Ok(done)
+}
+
+/// The settings with which `auto` answers a question, and the pilot behind them.
+pub fn decide(
+    scene: &Scene,
+    settings: &Settings,
+    question: &Question,
+    progress: &dyn Progress,
+) -> Result<(Settings, Pilot), EngineError> {
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    prepared.decide(settings, question, progress)
 }
 
 /// The same by finite differences with a step of one's own.
@@ -106,6 +118,13 @@ impl Prepared<'_> {
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
     ) -> Result<ForwardGradient, EngineError> {
+        if settings.needs_pilot() {
+            let question = Question::Forward(direction);
+            let (settled, pilot) = self.decide(settings, &question, progress)?;
+            let mut done = self.forward(&settled, direction, progress)?;
+            done.statistics.add_pilot(pilot);
+            return Ok(done);
+        }
         if settings.method.displaces_scenes() {
             return differences::forward(self.scene, &self.workers, settings, direction, progress);
         }
@@ -147,6 +166,13 @@ impl Prepared<'_> {
         objective: &Objective,
         progress: &dyn Progress,
     ) -> Result<BackwardGradient, EngineError> {
+        if settings.needs_pilot() {
+            let question = Question::Backward(wanted);
+            let (settled, pilot) = self.decide(settings, &question, progress)?;
+            let mut done = self.backward(&settled, wanted, objective, progress)?;
+            done.statistics.add_pilot(pilot);
+            return Ok(done);
+        }
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
         let mut done = super::backward::backward(self, settings, &request, objective, progress)?;
         for parameter in wanted {

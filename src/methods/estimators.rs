@@ -8,6 +8,7 @@
 
 use crate::boundary::cells::Cells;
 use crate::boundary::edges::Edges;
+use crate::boundary::mixture::{Mixed, Mixture};
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::moving::Moving;
@@ -30,6 +31,7 @@ pub enum Method {
     WarpedArea,
     Interior,
     Fd,
+    Auto,
 }
 
 /// A method with what is said of it and what it can do.
@@ -54,7 +56,16 @@ pub struct Estimator {
 /// Makes an estimator of boundary terms, or what moves samples instead, from which triangles are
 /// neighbours and what moves.
 pub type MakeBoundary =
-    for<'a> fn(&'a Adjacency, &'a Moving, &'a WarpOptions) -> Box<dyn BoundaryEstimator + 'a>;
+    for<'a> fn(&'a Adjacency, &'a Moving, &'a Constants) -> Box<dyn BoundaryEstimator + 'a>;
+
+/// What some methods can be told.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Constants {
+    /// Of those that move samples.
+    pub warp: WarpOptions,
+    /// Of `auto`: what its pilot has come to, if it has been asked.
+    pub mixture: Option<Mixture>,
+}
 
 /// Changes a film, or says why it cannot be used.
 pub type MakeFilm = fn(&WarpOptions, Film) -> Result<Film, String>;
@@ -112,23 +123,25 @@ pub enum Way {
     Images,
 }
 
+const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
+    Discontinuity::Silhouette,
+    Discontinuity::SoftShadow,
+    Discontinuity::InLayers,
+    Discontinuity::Intersection,
+    Discontinuity::TextureEdge,
+    Discontinuity::SharpShadow,
+    Discontinuity::Mirrored,
+    Discontinuity::BehindNull,
+]);
+
 /// All methods, the usual one first.
-pub const ESTIMATORS: [Estimator; 6] = [
+pub const ESTIMATORS: [Estimator; 7] = [
     Estimator {
         method: Method::Reparam,
         name: "reparam",
         title: "reparam",
         about: "Changes of variables that hold the discontinuities still",
-        discontinuities: Discontinuities::Found(&[
-            Discontinuity::Silhouette,
-            Discontinuity::SoftShadow,
-            Discontinuity::InLayers,
-            Discontinuity::Intersection,
-            Discontinuity::TextureEdge,
-            Discontinuity::SharpShadow,
-            Discontinuity::Mirrored,
-            Discontinuity::BehindNull,
-        ]),
+        discontinuities: FOUND_BY_CELLS,
         way: Way::Paths,
         boundary: Some(|adjacency, moving, _| Box::new(Cells::new(adjacency, moving))),
         film: None,
@@ -160,7 +173,7 @@ pub const ESTIMATORS: [Estimator; 6] = [
         way: Way::Paths,
         boundary: Some(|_, _, options| {
             Box::new(loubet::Loubet {
-                options: &options.loubet,
+                options: &options.warp.loubet,
             })
         }),
         film: Some(loubet::film),
@@ -177,7 +190,7 @@ pub const ESTIMATORS: [Estimator; 6] = [
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, _, options| {
-            let options = &options.warped_area;
+            let options = &options.warp.warped_area;
             Box::new(warped_area::WarpedArea::new(adjacency, options))
         }),
         film: Some(warped_area::film),
@@ -202,10 +215,20 @@ pub const ESTIMATORS: [Estimator; 6] = [
         boundary: None,
         film: None,
     },
+    Estimator {
+        method: Method::Auto,
+        name: "auto",
+        title: "auto",
+        about: "Of reparam, edges, mixtures of both and fd what a pilot finds the least noise in",
+        discontinuities: FOUND_BY_CELLS,
+        way: Way::Paths,
+        boundary: Some(|adjacency, moving, constants| {
+            let mixture = constants.mixture.unwrap_or_default();
+            Box::new(Mixed::new(mixture, adjacency, moving))
+        }),
+        film: None,
+    },
 ];
-
-/// Names of the interface that are still to come.
-pub const NOT_BUILT_YET: [&str; 1] = ["auto"];
 
 impl Method {
     /// What the others are checked against.
@@ -219,7 +242,7 @@ impl Method {
 
     /// Its row of the table.
     pub fn estimator(self) -> &'static Estimator {
-        let [reparam, edges, loubet, warped_area, interior, fd] = &ESTIMATORS;
+        let [reparam, edges, loubet, warped_area, interior, fd, auto] = &ESTIMATORS;
         match self {
             Method::Reparam => reparam,
             Method::Edges => edges,
@@ -227,6 +250,7 @@ impl Method {
             Method::WarpedArea => warped_area,
             Method::Interior => interior,
             Method::Fd => fd,
+            Method::Auto => auto,
         }
     }
 
@@ -253,6 +277,11 @@ impl Method {
     /// Whether it renders displaced scenes, and keeps whole images of every group of samples.
     pub fn displaces_scenes(self) -> bool {
         self.estimator().way == Way::Images
+    }
+
+    /// Whether a pilot has to say what it comes to.
+    pub fn asks_a_pilot(self) -> bool {
+        self == Method::Auto
     }
 
     /// Whether the other methods are checked against it.
@@ -294,6 +323,5 @@ mod tests {
             let finds = matches!(row.discontinuities, Discontinuities::Found(_));
             assert_eq!(row.boundary.is_some(), finds, "{}", row.name);
         }
-        assert!(NOT_BUILT_YET.iter().all(|n| Method::named(n).is_none()));
     }
 }

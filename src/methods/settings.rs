@@ -1,9 +1,8 @@
 //! What to render with.
 
-use super::estimators::Method;
+use super::estimators::{Constants, Method};
 use super::groups::group_count;
 use crate::trace::Backend;
-use crate::warp::options::WarpOptions;
 
 /// What to render with, the scene's own settings already filled in.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +22,9 @@ pub struct Settings {
     /// Width and height in pixels in place of the film's.
     pub resolution: Option<[u32; 2]>,
     pub method: Method,
-    /// Constants of methods that move samples.
-    pub warp: WarpOptions,
+    pub constants: Constants,
+    /// Of the film's tiles so many, at equal distances, in place of all: for pilots.
+    pub tiles: Option<usize>,
     /// What traces the rays.
     pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.
@@ -44,6 +44,11 @@ pub struct Groups {
 }
 
 impl Settings {
+    /// Whether it is still open what `auto` does.
+    pub fn needs_pilot(&self) -> bool {
+        self.method.asks_a_pilot() && self.constants.mixture.is_none()
+    }
+
     /// The groups asked for, or those that standard errors need.
     pub fn groups(&self) -> Groups {
         self.groups.unwrap_or(Groups {

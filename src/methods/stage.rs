@@ -2,7 +2,7 @@
 //! their tiles.
 
 use super::error::EngineError;
-use super::estimators::{MakeBoundary, Method};
+use super::estimators::{Constants, MakeBoundary, Method};
 use super::group_images::GroupImages;
 use super::parts::Parts;
 use super::prepared::Prepared;
@@ -24,7 +24,6 @@ use crate::paths::scene_view::{PathLimits, SceneView};
 use crate::picture::Image;
 use crate::room::NoRoom;
 use crate::scene::{Film, Rgb, Scene, SceneDifferential, Sensor};
-use crate::warp::options::WarpOptions;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -39,7 +38,7 @@ pub struct Stage<'a> {
     pub parts: Parts,
     boundary: Option<MakeBoundary>,
     moving: Moving,
-    warp: WarpOptions,
+    constants: Constants,
     pub camera: Camera,
     pub lattice: Lattice,
     pub filter: FilmFilter,
@@ -49,6 +48,7 @@ pub struct Stage<'a> {
     pub groups: u32,
     pub seed: u64,
     only: Option<u32>,
+    tiles: Option<usize>,
     workers: Workers,
 }
 
@@ -69,7 +69,8 @@ impl<'a> Stage<'a> {
         }
         let mut sensor = sensor(scene, settings)?;
         if let (Some(_), Some(film)) = (boundary, settings.method.estimator().film) {
-            sensor.film = film(&settings.warp, sensor.film).map_err(EngineError::Refused)?;
+            sensor.film =
+                film(&settings.constants.warp, sensor.film).map_err(EngineError::Refused)?;
         }
         let film = &sensor.film;
         if boundary.is_some() {
@@ -94,7 +95,7 @@ impl<'a> Stage<'a> {
             parts,
             boundary,
             moving: Moving::default(),
-            warp: settings.warp,
+            constants: settings.constants,
             camera: Camera::new(&sensor),
             lattice,
             filter,
@@ -108,6 +109,7 @@ impl<'a> Stage<'a> {
             groups,
             seed: settings.seed,
             only,
+            tiles: settings.tiles,
             workers: prepared.workers.clone(),
         })
     }
@@ -157,7 +159,7 @@ impl<'a> Stage<'a> {
     /// What finds the boundary terms that are asked for.
     pub fn estimator(&self) -> Box<dyn BoundaryEstimator + '_> {
         match (self.boundary, self.parts.adjacency.get()) {
-            (Some(make), Some(adjacency)) => make(adjacency, &self.moving, &self.warp),
+            (Some(make), Some(adjacency)) => make(adjacency, &self.moving, &self.constants),
             _ => Box::new(Interior),
         }
     }
@@ -181,10 +183,12 @@ impl<'a> Stage<'a> {
         work: impl Fn(u32, usize) -> T + Sync,
         mut merge: impl FnMut(u32, T),
     ) -> Result<(), EngineError> {
-        let tiles = self.lattice.tile_count();
+        let tiles = self.own_tiles();
         let groups = self.own_groups();
-        let (first, total) = (tiles * groups.start as usize, tiles * groups.len());
-        let jobs: Vec<usize> = (first..first + total).collect();
+        let total = tiles.len() * groups.len();
+        let of_group = |group: u32| tiles.iter().map(move |&tile| (group, tile));
+        let jobs: Vec<(u32, usize)> = groups.flat_map(of_group).collect();
+        let mut done = 0;
         for chunk in jobs.chunks(TILES_PER_THREAD * self.workers.threads) {
             if progress.cancelled() {
                 return Err(EngineError::Interrupted);
@@ -193,20 +197,25 @@ impl<'a> Stage<'a> {
                 chunk
                     .par_iter()
                     .with_max_len(1)
-                    .map(|&job| {
-                        (
-                            (job / tiles) as u32,
-                            work((job / tiles) as u32, job % tiles),
-                        )
-                    })
+                    .map(|&(group, tile)| (group, work(group, tile)))
                     .collect()
             });
             for (group, result) in results {
                 merge(group, result);
             }
-            progress.advance((chunk[chunk.len() - 1] + 1 - first) as u64, total as u64);
+            done += chunk.len();
+            progress.advance(done as u64, total as u64);
         }
         Ok(())
+    }
+
+    /// The tiles that are done here.
+    fn own_tiles(&self) -> Vec<usize> {
+        let all = self.lattice.tile_count();
+        let count = self.tiles.map_or(all, |tiles| tiles.min(all));
+        (0..count)
+            .map(|i| (2 * i + 1) * all / (2 * count))
+            .collect()
     }
 
     /// The groups that are done here.

@@ -1,6 +1,7 @@
 //! What a run did and where its time went.
 
 use crate::paths::counts::Counts;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -24,12 +25,83 @@ pub struct Statistics {
     pub largest_parts: BTreeMap<String, f64>,
     /// Remarks for the user.
     pub notes: Vec<String>,
+    /// Of `auto`: how it has come to what it does.
+    pub pilot: Option<Pilot>,
+}
+
+/// How `auto` has come to what it does.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Pilot {
+    /// In words.
+    pub chosen: String,
+    /// Why nothing was tried, if nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub because: Option<String>,
+    /// The usual way first.
+    pub trials: Vec<Trial>,
+    #[serde(skip)]
+    pub seconds: f64,
+}
+
+/// What a pilot has tried.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Trial {
+    /// In words.
+    pub way: String,
+    /// Of the pilot's gradient image, summed over its numbers.
+    pub variance: f64,
+    /// In rays.
+    pub work: f64,
+    /// One over variance and work, by that of the usual way.
+    pub efficiency: f64,
+}
+
+impl Pilot {
+    /// That there was nothing to try.
+    pub fn without_trials(because: String) -> Self {
+        Self {
+            because: Some(because),
+            ..Self::default()
+        }
+    }
+
+    /// In one sentence.
+    pub fn summary(&self) -> String {
+        let chosen = &self.chosen;
+        let tried = self.trials.iter().find(|trial| trial.way == *chosen);
+        match (&self.because, tried) {
+            (Some(because), _) => format!("auto: {chosen}, because {because}"),
+            (None, Some(tried)) if self.trials[0].way != *chosen => format!(
+                "auto: {chosen}, {:.1} times as efficient in a pilot as {}",
+                tried.efficiency, self.trials[0].way
+            ),
+            _ => format!("auto: {chosen}, as usual"),
+        }
+    }
+
+    /// All that was tried, a line each.
+    pub fn explanation(&self) -> Vec<String> {
+        let line = |trial: &Trial| {
+            format!(
+                "auto tried {}: variance {:.3e}, {:.3e} rays, efficiency {:.3}",
+                trial.way, trial.variance, trial.work, trial.efficiency
+            )
+        };
+        self.trials.iter().map(line).collect()
+    }
 }
 
 impl Statistics {
     /// Adds to a stage's time.
     pub fn spend(&mut self, stage: &'static str, seconds: f64) {
         *self.seconds.entry(stage).or_default() += seconds;
+    }
+
+    /// Keeps what a pilot has come to.
+    pub fn add_pilot(&mut self, pilot: Pilot) {
+        self.spend("pilot", pilot.seconds);
+        self.notes.push(pilot.summary());
+        self.pilot = Some(pilot);
     }
 
     /// Adds the time since `start` to a stage.
@@ -50,6 +122,9 @@ impl Statistics {
             *self.rejected.entry(cause).or_default() += count;
         }
         self.tile_seconds += other.tile_seconds;
+        if self.pilot.is_none() {
+            self.pilot.clone_from(&other.pilot);
+        }
     }
 
     /// Adds what tiles counted.

@@ -83,7 +83,7 @@ impl Trial {
     fn run(&mut self, task: &Task, repeat: usize, progress: &dyn Progress) -> Result<(), Failure> {
         let settings = Settings {
             method: self.contestant.method,
-            warp: self.contestant.warp,
+            constants: self.contestant.constants,
             spp: self.spp,
             seed: nth_seed(task.settings.seed, repeat),
             ..task.settings.clone()

@@ -4,7 +4,7 @@
 
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
-use crate::methods::{ESTIMATORS, Method};
+use crate::methods::{Constants, ESTIMATORS, Method};
 use crate::warp::options::{LoubetOptions, WarpOptions, WarpedAreaOptions};
 
 /// A method under a name.
@@ -12,7 +12,7 @@ use crate::warp::options::{LoubetOptions, WarpOptions, WarpedAreaOptions};
 pub struct Contestant {
     pub name: String,
     pub method: Method,
-    pub warp: WarpOptions,
+    pub constants: Constants,
 }
 
 /// All methods, and the variants that a configuration has.
@@ -20,7 +20,7 @@ pub fn all(root: &Table) -> Result<Vec<Contestant>, Failure> {
     let methods = ESTIMATORS.iter().map(|row| Contestant {
         name: row.name.into(),
         method: row.method,
-        warp: WarpOptions::default(),
+        constants: Constants::default(),
     });
     let mut all: Vec<Contestant> = methods.collect();
     let Some(variants) = root.table("variant")? else {
@@ -60,7 +60,10 @@ fn variant(name: &str, table: &Table) -> Result<Contestant, Failure> {
     Ok(Contestant {
         name: name.into(),
         method,
-        warp,
+        constants: Constants {
+            warp,
+            ..Constants::default()
+        },
     })
 }
 

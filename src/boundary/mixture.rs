@@ -1,0 +1,101 @@
+//! Our cells and points drawn on edges, mixed: one on the film, one over lobes.
+//!
+//! Both find the whole of each integral's boundary term, so any mixture of them is right. Which has
+//! the least noise depends on the scene (`docs/method.md`, 15). Over lights and environment maps it
+//! is always the cells.
+
+use super::cells::Cells;
+use super::edges::Edges;
+use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::at::At;
+use crate::paths::bounce::Bounce;
+use crate::paths::boundary_sample::Found;
+use crate::paths::estimator::{BoundaryEstimator, FilmTile, LightDraw, WholeFilm};
+use crate::paths::film::drift::Drift;
+use crate::paths::moving::Moving;
+
+/// What finds what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mixture {
+    pub film: OnFilm,
+    pub lobes: OverLobes,
+}
+
+/// What finds borders on the film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnFilm {
+    /// Cells on a film that may drift.
+    #[default]
+    Drifting,
+    /// Cells on a film that rests.
+    Resting,
+    Edges,
+}
+
+/// What finds borders over lobes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OverLobes {
+    #[default]
+    Cells,
+    Edges,
+}
+
+/// The estimator of a mixture.
+pub struct Mixed<'a> {
+    mixture: Mixture,
+    cells: Cells<'a>,
+    edges: Edges<'a>,
+}
+
+impl<'a> Mixed<'a> {
+    pub fn new(mixture: Mixture, adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        Self {
+            mixture,
+            cells: Cells::new(adjacency, moving),
+            edges: Edges::new(adjacency, moving),
+        }
+    }
+
+    fn on_film(&self) -> &dyn BoundaryEstimator {
+        match self.mixture.film {
+            OnFilm::Drifting | OnFilm::Resting => &self.cells,
+            OnFilm::Edges => &self.edges,
+        }
+    }
+}
+
+impl BoundaryEstimator for Mixed<'_> {
+    fn moving(&self) -> Option<&Moving> {
+        self.cells.moving()
+    }
+
+    fn closes_lattice(&self) -> bool {
+        self.on_film().closes_lattice()
+    }
+
+    fn drift(&self, film: &WholeFilm) -> Option<Drift> {
+        match self.mixture.film {
+            OnFilm::Drifting => self.cells.drift(film),
+            OnFilm::Resting | OnFilm::Edges => None,
+        }
+    }
+
+    fn film(&self, film: &FilmTile, out: &mut Found) {
+        self.on_film().film(film, out);
+    }
+
+    fn light(&self, at: &At, draw: &LightDraw, out: &mut Found) {
+        self.cells.light(at, draw, out);
+    }
+
+    fn environment(&self, at: &At, out: &mut Found) {
+        self.cells.environment(at, out);
+    }
+
+    fn lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
+        match self.mixture.lobes {
+            OverLobes::Cells => self.cells.lobe(at, bounce, out),
+            OverLobes::Edges => self.edges.lobe(at, bounce, out),
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! What `auto` does: a pilot tries what may be best, and the rest is done by what has the least
+//! noise for its work.
+//!
+//! The pilot renders some tiles of the film with random numbers of its own, so what it comes to does
+//! not depend on the samples that it is used for: whichever it is, their mean is the gradient.
+//! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
+//! in rays and not in seconds, so all processes and all runs come to the same.
+
+use super::difference_step::step;
+use super::differences;
+use super::error::EngineError;
+use super::estimators::{Constants, Method};
+use super::prepared::Prepared;
+use super::progress::Progress;
+use super::results::ForwardGradient;
+use super::settings::{Groups, Settings};
+use super::stage::Stage;
+use super::statistics::{Pilot, Statistics, Trial};
+use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
+use crate::scene::SceneDifferential;
+use crate::scene::parameters::{self, Parameter};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The pilot's own random numbers.
+const SEED: u64 = 0x7069_6c6f_7400_0001;
+const GROUPS: u32 = 4;
+/// Samples a pixel of a group, at most.
+const MOST_SAMPLES: u32 = 16;
+/// Paths of one trial, at least, and the share that they have in the whole job's at least.
+const LEAST_PATHS: f64 = 16384.0;
+const LEAST_SHARE: f64 = 1.0 / 64.0;
+/// What promises less than this over what is usual is not worth the risk of being misled.
+const WORTHWHILE: f64 = 1.2;
+
+/// What one may ask for.
+pub enum Question<'a> {
+    /// The gradient image along a direction.
+    Forward(&'a [(Parameter, Vec<f32>)]),
+    /// The derivative of a number by these.
+    Backward(&'a [Parameter]),
+}
+
+/// A way to come by a gradient.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Mixture(Mixture),
+    Differences,
+}
+
+impl Way {
+    fn name(self) -> String {
+        match self {
+            Way::Mixture(Mixture { film, lobes }) => {
+                let film = match film {
+                    OnFilm::Drifting => "cells on the film",
+                    OnFilm::Resting => "cells on a film at rest",
+                    OnFilm::Edges => "edges on the film",
+                };
+                let lobes = match lobes {
+                    OverLobes::Cells => "cells over lobes",
+                    OverLobes::Edges => "edges over lobes",
+                };
+                format!("{film}, {lobes}")
+            }
+            Way::Differences => "finite differences".into(),
+        }
+    }
+}
+
+impl Prepared<'_> {
+    /// The settings with which `auto` answers a question, and the pilot behind them.
+    ///
+    /// What other methods would be told is left as it is. Errors are those of the answer itself.
+    pub fn decide(
+        &self,
+        settings: &Settings,
+        question: &Question,
+        progress: &dyn Progress,
+    ) -> Result<(Settings, Pilot), EngineError> {
+        let start = Instant::now();
+        let asked = asked(self, settings, question)?;
+        let (way, mut pilot) = match &asked {
+            None => {
+                let pilot = Pilot::without_trials("nothing that moves has edges".into());
+                (Way::Mixture(Mixture::default()), pilot)
+            }
+            Some(direction) => self.try_ways(settings, question, direction, progress)?,
+        };
+        pilot.chosen = way.name();
+        pilot.seconds = start.elapsed().as_secs_f64();
+        let mut settled = settings.clone();
+        match way {
+            Way::Mixture(mixture) => settled.constants.mixture = Some(mixture),
+            Way::Differences => settled.method = Method::REFERENCE,
+        }
+        Ok((settled, pilot))
+    }
+
+    fn try_ways(
+        &self,
+        settings: &Settings,
+        question: &Question,
+        direction: &[(Parameter, Vec<f32>)],
+        progress: &dyn Progress,
+    ) -> Result<(Way, Pilot), EngineError> {
+        // Whole images are compared by one process.
+        let is_whole = settings.groups().only.is_none();
+        let has_differences = is_whole && matches!(question, Question::Forward(_));
+        let settings = of_pilot(self, settings)?;
+        let mut trials = Trials {
+            prepared: self,
+            settings: &settings,
+            direction,
+            progress,
+            done: Vec::new(),
+        };
+        let usual = Mixture::default();
+        match trials.run(Way::Mixture(usual)) {
+            Err(EngineError::Refused(sentence)) if has_differences => {
+                return Ok((Way::Differences, Pilot::without_trials(sentence)));
+            }
+            tried => tried?,
+        }
+        let (drifts, has_edges) = possible(self, &settings, direction)?;
+        let looks_over_lobes = trials.done[0].rays.contains_key("bounce_cell");
+        for (film, is_possible) in [(OnFilm::Resting, drifts), (OnFilm::Edges, has_edges)] {
+            if is_possible {
+                trials.run(Way::Mixture(Mixture { film, ..usual }))?;
+            }
+        }
+        if has_edges && looks_over_lobes {
+            let film = match trials.best() {
+                Way::Mixture(best) => best.film,
+                Way::Differences => usual.film,
+            };
+            let lobes = OverLobes::Edges;
+            trials.run(Way::Mixture(Mixture { film, lobes }))?;
+        }
+        if has_differences {
+            trials.run(Way::Differences)?;
+        }
+        let best = trials.best();
+        Ok((best, trials.into_pilot()))
+    }
+}
+
+/// The direction along which a pilot looks; `None` if it would not find any edge that moves.
+fn asked(
+    prepared: &Prepared,
+    settings: &Settings,
+    question: &Question,
+) -> Result<Option<Vec<(Parameter, Vec<f32>)>>, EngineError> {
+    let scene = prepared.scene;
+    let moves = |direction: &[(Parameter, Vec<f32>)]| {
+        let moves = tangent(prepared, settings, direction)?.moves_edges(scene);
+        Ok::<_, EngineError>(moves)
+    };
+    let direction = match question {
+        Question::Forward(direction) => direction.to_vec(),
+        Question::Backward(wanted) => {
+            // All of them at once, each as fast on the film as the others.
+            let mut together = Vec::new();
+            for parameter in *wanted {
+                let one = vec![(parameter.clone(), vec![1.0; parameter.len()])];
+                if moves(&one)? {
+                    let speed = step(scene, settings, &one)? as f32;
+                    together.push((parameter.clone(), vec![speed; parameter.len()]));
+                }
+            }
+            together
+        }
+    };
+    let is_worth_it = !direction.is_empty() && moves(&direction)?;
+    Ok(is_worth_it.then_some(direction))
+}
+
+fn tangent(
+    prepared: &Prepared,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Result<SceneDifferential, EngineError> {
+    let named: Vec<(&str, &[f32])> = direction
+        .iter()
+        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
+        .collect();
+    Ok(parameters::tangent(
+        prepared.scene,
+        &named,
+        settings.sensor,
+    )?)
+}
+
+/// Fewer samples on fewer tiles, as the whole job would put them.
+fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<Settings, EngineError> {
+    let samples = (settings.spp / settings.groups().count.max(1)).clamp(1, MOST_SAMPLES);
+    let mut own = Settings {
+        seed: SEED,
+        spp: samples * GROUPS,
+        standard_error: true,
+        groups: Some(Groups {
+            count: GROUPS,
+            only: None,
+        }),
+        tiles: None,
+        ..settings.clone()
+    };
+    let stage = Stage::new(prepared, &own, None, &mut Statistics::default())?;
+    let tiles = stage.lattice.tile_count() as f64;
+    let paths = stage.size.iter().product::<usize>() as f64 * f64::from(own.spp);
+    let job = paths * f64::from(settings.spp) / f64::from(own.spp);
+    let share = (LEAST_PATHS.max(LEAST_SHARE * job) / paths).min(1.0);
+    own.tiles = Some((share * tiles).ceil() as usize);
+    Ok(own)
+}
+
+/// Whether the film would drift, and whether drawn edges would find all that moves.
+fn possible(
+    prepared: &Prepared,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Result<(bool, bool), EngineError> {
+    let tangent = tangent(prepared, settings, direction)?;
+    let boundary = Method::Auto.boundary();
+    let mut stage = Stage::new(prepared, settings, boundary, &mut Statistics::default())?;
+    stage.ask_about(&tangent);
+    let sensor = &prepared.scene.sensors[settings.sensor];
+    let is_allowed =
+        super::refusals::check(prepared.scene, &tangent, sensor, Method::Edges).is_ok();
+    let has_edges = is_allowed && stage.check_geometry(Method::Edges).is_ok();
+    let view = stage.view();
+    let drifts = stage.drift(&view, &*stage.estimator()).is_some();
+    Ok((drifts, has_edges))
+}
+
+/// What has been tried.
+struct Trials<'a> {
+    prepared: &'a Prepared<'a>,
+    settings: &'a Settings,
+    direction: &'a [(Parameter, Vec<f32>)],
+    progress: &'a dyn Progress,
+    done: Vec<Tried>,
+}
+
+struct Tried {
+    way: Way,
+    variance: f64,
+    rays: BTreeMap<&'static str, u64>,
+}
+
+impl Tried {
+    fn cost(&self) -> f64 {
+        self.variance * work(&self.rays)
+    }
+}
+
+impl Trials<'_> {
+    fn run(&mut self, way: Way) -> Result<(), EngineError> {
+        let quiet = Quietly(self.progress);
+        let (prepared, direction) = (self.prepared, self.direction);
+        let mut settings = self.settings.clone();
+        let found = match way {
+            Way::Mixture(mixture) => {
+                settings.constants = Constants {
+                    mixture: Some(mixture),
+                    ..settings.constants
+                };
+                let boundary = Method::Auto.boundary();
+                prepared.forward_by(&settings, direction, boundary, &quiet)?
+            }
+            Way::Differences => {
+                let (scene, workers) = (prepared.scene, &prepared.workers);
+                differences::forward(scene, workers, &settings, direction, &quiet)?
+            }
+        };
+        self.done.push(Tried {
+            way,
+            variance: variance(&found),
+            rays: found.statistics.rays,
+        });
+        Ok(())
+    }
+
+    /// What has the least noise for its work, or the usual if that is nearly as good.
+    fn best(&self) -> Way {
+        let usual = &self.done[0];
+        let best = self
+            .done
+            .iter()
+            .min_by(|a, b| a.cost().total_cmp(&b.cost()));
+        match best {
+            Some(best) if best.cost() * WORTHWHILE < usual.cost() => best.way,
+            _ => usual.way,
+        }
+    }
+
+    fn into_pilot(self) -> Pilot {
+        let usual = self.done[0].cost();
+        let trials = self.done.iter().map(|tried| Trial {
+            way: tried.way.name(),
+            variance: tried.variance,
+            work: work(&tried.rays),
+            efficiency: usual / tried.cost(),
+        });
+        Pilot {
+            trials: trials.collect(),
+            ..Pilot::default()
+        }
+    }
+}
+
+/// Of all numbers of a gradient image, from its standard errors.
+fn variance(found: &ForwardGradient) -> f64 {
+    let errors = found
+        .stderr
+        .iter()
+        .flat_map(|image| &image.pixels)
+        .flatten();
+    errors.map(|e| f64::from(*e).powi(2)).sum()
+}
+
+/// What rays cost, in the time of one camera ray with its part of everything else.
+fn work(rays: &BTreeMap<&'static str, u64>) -> f64 {
+    let cost = |kind: &str| match kind {
+        "probe" => 2.0,
+        _ => 1.0,
+    };
+    rays.iter().map(|(kind, n)| cost(kind) * *n as f64).sum()
+}
+
+/// Says nothing of how far it is.
+struct Quietly<'a>(&'a dyn Progress);
+
+impl Progress for Quietly<'_> {
+    fn advance(&self, _: u64, _: u64) {}
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
