@@ -61,7 +61,8 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         .map(str::parse)
         .collect::<std::result::Result<_, _>>()?;
     let settings = Settings {
-        warp: Default::default(),
+        constants: Default::default(),
+        tiles: None,
         spp,
         seed: 1,
         threads: 1,

@@ -219,6 +219,9 @@ pub struct ForwardArguments {
     /// How visibility is differentiated
     #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
     pub method: String,
+    /// Says what the pilot of auto tried, and what came of it
+    #[arg(long)]
+    pub explain: bool,
     /// Leaves standard errors out, which saves their memory
     #[arg(long)]
     pub no_stderr: bool,
@@ -245,6 +248,9 @@ pub struct BackwardArguments {
     /// How visibility is differentiated
     #[arg(short, long, value_parser = values::method(), default_value = Method::default().name())]
     pub method: String,
+    /// Says what the pilot of auto tried, and what came of it
+    #[arg(long)]
+    pub explain: bool,
     /// Leaves standard errors out, which saves their memory
     #[arg(long)]
     pub no_stderr: bool,

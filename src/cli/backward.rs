@@ -64,5 +64,8 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
     for file in results::backward(&gradients, &done.image)? {
         session.write(file.name, |path| file.write(path))?;
     }
+    if arguments.explain {
+        session.explain();
+    }
     session.close()
 }

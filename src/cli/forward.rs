@@ -49,5 +49,8 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
         Some(stderr) => found("stderr_rms", stderr),
         None => session.warn_of_leftover("stderr.npy"),
     }
+    if arguments.explain {
+        session.explain();
+    }
     session.close()
 }

@@ -170,6 +170,7 @@ fn report(
         "silhouettes": summary.statistics.silhouettes,
         "rejected": summary.statistics.rejected,
         "warnings": summary.warnings,
+        "pilot": summary.pilot,
         "peak_memory_bytes": machine::peak(),
         "files": summary.files,
     })

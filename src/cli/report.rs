@@ -1,6 +1,6 @@
 //! `report.json`: what was run, on what, and what it cost.
 
-use crate::methods::{MOST_OF_ONE_PART, Settings, Statistics};
+use crate::methods::{MOST_OF_ONE_PART, Pilot, Settings, Statistics};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -36,6 +36,9 @@ pub struct Report {
     pub largest_parts: BTreeMap<String, f64>,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
+    /// How `auto` has come to what it did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pilot: Option<Pilot>,
     pub peak_memory_bytes: Option<u64>,
     /// What the command found: the loss, norms, a verdict.
     pub results: serde_json::Map<String, serde_json::Value>,
@@ -80,6 +83,7 @@ impl Report {
             largest_parts: BTreeMap::new(),
             warnings: Vec::new(),
             notes: Vec::new(),
+            pilot: None,
             peak_memory_bytes: None,
             results: serde_json::Map::new(),
             files: Vec::new(),
@@ -95,6 +99,9 @@ impl Report {
         for (key, &share) in &statistics.largest_parts {
             let most = self.largest_parts.entry(key.clone()).or_default();
             *most = most.max(share);
+        }
+        if statistics.pilot.is_some() {
+            self.pilot.clone_from(&statistics.pilot);
         }
         for note in &statistics.notes {
             if !self.notes.contains(note) {

@@ -148,6 +148,19 @@ impl Session {
         }
     }
 
+    /// Says what a pilot has tried.
+    pub fn explain(&self) {
+        match &self.report.pilot {
+            Some(pilot) => {
+                let lines = pilot.explanation();
+                lines.iter().for_each(|line| self.log.note(line));
+            }
+            None => self
+                .log
+                .note("there is nothing to explain: --method auto asks a pilot"),
+        }
+    }
+
     /// Writes the report, and says what was done.
     pub fn close(mut self) -> Result<(), Failure> {
         for warning in self.report.losses() {

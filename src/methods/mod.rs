@@ -2,6 +2,8 @@
 
 mod backward;
 mod clock;
+mod contender;
+mod decisions;
 mod difference_step;
 mod differences;
 mod dispatch;
@@ -30,6 +32,7 @@ mod statistics;
 mod tails;
 mod workers;
 
+pub use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 pub use crate::picture::Image;
 pub use difference_step::step as difference_step;
 pub use differences::IMAGES as DIFFERENCE_IMAGES;

@@ -1,5 +1,6 @@
 //! What is computed from a scene before anything is traced.
 
+use super::decisions::Decisions;
 use super::edits::Edits;
 use super::error::EngineError;
 use super::reach::check_meshes;
@@ -24,6 +25,8 @@ pub struct Parts {
     pub(super) map_distribution: Option<Arc<MapDistribution>>,
     /// Made when silhouettes are first asked for.
     pub(super) adjacency: Arc<OnceLock<Adjacency>>,
+    /// What pilots have come to.
+    pub(super) decisions: Arc<Decisions>,
 }
 
 impl Parts {
@@ -46,6 +49,7 @@ impl Parts {
             materials: Arc::new(MaterialTable::new(scene)),
             map_distribution: map_distribution(scene, workers, cancelled)?,
             adjacency: Arc::default(),
+            decisions: Arc::default(),
             geometry: Arc::new(geometry),
             accel: Arc::new(accel),
         })
@@ -89,6 +93,7 @@ impl Parts {
                 false => self.map_distribution.clone(),
             },
             adjacency,
+            decisions: Arc::default(),
             geometry,
             accel,
         })

@@ -6,6 +6,8 @@
 //! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
 //! in rays and not in seconds, so all processes and all runs come to the same.
 
+use super::contender::Contender;
+use super::decisions::Asked;
 use super::difference_step::step;
 use super::differences;
 use super::error::EngineError;
@@ -41,37 +43,10 @@ pub enum Question<'a> {
     Backward(&'a [Parameter]),
 }
 
-/// A way to come by a gradient.
-#[derive(Clone, Copy, PartialEq)]
-enum Way {
-    Mixture(Mixture),
-    Differences,
-}
-
-impl Way {
-    fn name(self) -> String {
-        match self {
-            Way::Mixture(Mixture { film, lobes }) => {
-                let film = match film {
-                    OnFilm::Drifting => "cells on the film",
-                    OnFilm::Resting => "cells on a film at rest",
-                    OnFilm::Edges => "edges on the film",
-                };
-                let lobes = match lobes {
-                    OverLobes::Cells => "cells over lobes",
-                    OverLobes::Edges => "edges over lobes",
-                };
-                format!("{film}, {lobes}")
-            }
-            Way::Differences => "finite differences".into(),
-        }
-    }
-}
-
 impl Prepared<'_> {
-    /// The settings with which `auto` answers a question, and the pilot behind them.
+    /// The settings with which `auto` answers a question, and how it came to them.
     ///
-    /// What other methods would be told is left as it is. Errors are those of the answer itself.
+    /// Errors are those of the answer itself.
     pub fn decide(
         &self,
         settings: &Settings,
@@ -79,34 +54,35 @@ impl Prepared<'_> {
         progress: &dyn Progress,
     ) -> Result<(Settings, Pilot), EngineError> {
         let start = Instant::now();
-        let asked = asked(self, settings, question)?;
-        let (way, mut pilot) = match &asked {
-            None => {
-                let pilot = Pilot::without_trials("nothing that moves has edges".into());
-                (Way::Mixture(Mixture::default()), pilot)
-            }
-            Some(direction) => self.try_ways(settings, question, direction, progress)?,
+        let Some(direction) = moving_direction(self, settings, question)? else {
+            let mut pilot = Pilot::without_trials("nothing that moves has edges".into());
+            let way = Contender::Mixture(Mixture::default());
+            pilot.chosen = way.name();
+            return Ok((way.settle(settings), pilot));
         };
-        pilot.chosen = way.name();
-        pilot.seconds = start.elapsed().as_secs_f64();
-        let mut settled = settings.clone();
-        match way {
-            Way::Mixture(mixture) => settled.constants.mixture = Some(mixture),
-            Way::Differences => settled.method = Method::REFERENCE,
+        let forward = matches!(question, Question::Forward(_));
+        let named = direction.iter().map(|(p, v)| (p.key.clone(), v.clone()));
+        let asked = Asked::new(settings, forward, named.collect());
+        if let Some((way, pilot)) = self.parts.decisions.find(&asked) {
+            return Ok((way.settle(settings), pilot));
         }
-        Ok((settled, pilot))
+        let (way, mut pilot) = self.try_ways(settings, forward, &direction, progress)?;
+        pilot.chosen = way.name();
+        let known = pilot.clone();
+        pilot.seconds = start.elapsed().as_secs_f64();
+        self.parts.decisions.keep(asked, (way, known));
+        Ok((way.settle(settings), pilot))
     }
 
     fn try_ways(
         &self,
         settings: &Settings,
-        question: &Question,
+        forward: bool,
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
-    ) -> Result<(Way, Pilot), EngineError> {
+    ) -> Result<(Contender, Pilot), EngineError> {
         // Whole images are compared by one process.
-        let is_whole = settings.groups().only.is_none();
-        let has_differences = is_whole && matches!(question, Question::Forward(_));
+        let has_differences = forward && settings.groups().only.is_none();
         let settings = of_pilot(self, settings)?;
         let mut trials = Trials {
             prepared: self,
@@ -116,9 +92,9 @@ impl Prepared<'_> {
             done: Vec::new(),
         };
         let usual = Mixture::default();
-        match trials.run(Way::Mixture(usual)) {
+        match trials.run(Contender::Mixture(usual)) {
             Err(EngineError::Refused(sentence)) if has_differences => {
-                return Ok((Way::Differences, Pilot::without_trials(sentence)));
+                return Ok((Contender::Differences, Pilot::without_trials(sentence)));
             }
             tried => tried?,
         }
@@ -126,19 +102,19 @@ impl Prepared<'_> {
         let looks_over_lobes = trials.done[0].rays.contains_key("bounce_cell");
         for (film, is_possible) in [(OnFilm::Resting, drifts), (OnFilm::Edges, has_edges)] {
             if is_possible {
-                trials.run(Way::Mixture(Mixture { film, ..usual }))?;
+                trials.run(Contender::Mixture(Mixture { film, ..usual }))?;
             }
         }
         if has_edges && looks_over_lobes {
             let film = match trials.best() {
-                Way::Mixture(best) => best.film,
-                Way::Differences => usual.film,
+                Contender::Mixture(best) => best.film,
+                Contender::Differences => usual.film,
             };
             let lobes = OverLobes::Edges;
-            trials.run(Way::Mixture(Mixture { film, lobes }))?;
+            trials.run(Contender::Mixture(Mixture { film, lobes }))?;
         }
         if has_differences {
-            trials.run(Way::Differences)?;
+            trials.run(Contender::Differences)?;
         }
         let best = trials.best();
         Ok((best, trials.into_pilot()))
@@ -146,7 +122,7 @@ impl Prepared<'_> {
 }
 
 /// The direction along which a pilot looks; `None` if it would not find any edge that moves.
-fn asked(
+fn moving_direction(
     prepared: &Prepared,
     settings: &Settings,
     question: &Question,
@@ -243,24 +219,28 @@ struct Trials<'a> {
 }
 
 struct Tried {
-    way: Way,
+    way: Contender,
     variance: f64,
     rays: BTreeMap<&'static str, u64>,
 }
 
 impl Tried {
+    fn work(&self) -> f64 {
+        work(self.way, &self.rays)
+    }
+
     fn cost(&self) -> f64 {
-        self.variance * work(&self.rays)
+        self.variance * self.work()
     }
 }
 
 impl Trials<'_> {
-    fn run(&mut self, way: Way) -> Result<(), EngineError> {
+    fn run(&mut self, way: Contender) -> Result<(), EngineError> {
         let quiet = Quietly(self.progress);
         let (prepared, direction) = (self.prepared, self.direction);
         let mut settings = self.settings.clone();
         let found = match way {
-            Way::Mixture(mixture) => {
+            Contender::Mixture(mixture) => {
                 settings.constants = Constants {
                     mixture: Some(mixture),
                     ..settings.constants
@@ -268,7 +248,7 @@ impl Trials<'_> {
                 let boundary = Method::Auto.boundary();
                 prepared.forward_by(&settings, direction, boundary, &quiet)?
             }
-            Way::Differences => {
+            Contender::Differences => {
                 let (scene, workers) = (prepared.scene, &prepared.workers);
                 differences::forward(scene, workers, &settings, direction, &quiet)?
             }
@@ -282,7 +262,7 @@ impl Trials<'_> {
     }
 
     /// What has the least noise for its work, or the usual if that is nearly as good.
-    fn best(&self) -> Way {
+    fn best(&self) -> Contender {
         let usual = &self.done[0];
         let best = self
             .done
@@ -299,7 +279,7 @@ impl Trials<'_> {
         let trials = self.done.iter().map(|tried| Trial {
             way: tried.way.name(),
             variance: tried.variance,
-            work: work(&tried.rays),
+            work: tried.work(),
             efficiency: usual / tried.cost(),
         });
         Pilot {
@@ -319,11 +299,21 @@ fn variance(found: &ForwardGradient) -> f64 {
     errors.map(|e| f64::from(*e).powi(2)).sum()
 }
 
-/// What rays cost, in the time of one camera ray with its part of everything else.
-fn work(rays: &BTreeMap<&'static str, u64>) -> f64 {
-    let cost = |kind: &str| match kind {
-        "probe" => 2.0,
-        _ => 1.0,
+/// About the microseconds that rays take with all that is done about them, fitted to the failure
+/// battery (`docs/method.md`, 15): three in four estimates are right to within 1.4 times.
+fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
+    let cost = |kind: &str| match (contender, kind) {
+        (Contender::Differences, "camera") => 0.05,
+        (Contender::Differences, _) => 0.1,
+        (Contender::Mixture(_), "camera") => 0.08,
+        (Contender::Mixture(_), "shadow") => 0.3,
+        (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,
+        (Contender::Mixture(_), "light_cell" | "bounce_cell") => 0.03,
+        // Edges that are drawn have to be found first.
+        (Contender::Mixture(Mixture { film, lobes }), _) => {
+            let drawn = [film == OnFilm::Edges, lobes == OverLobes::Edges];
+            0.3 + 0.25 * drawn.into_iter().filter(|d| *d).count() as f64
+        }
     };
     rays.iter().map(|(kind, n)| cost(kind) * *n as f64).sum()
 }

@@ -50,7 +50,7 @@ pub struct Trial {
     pub way: String,
     /// Of the pilot's gradient image, summed over its numbers.
     pub variance: f64,
-    /// In rays.
+    /// About its time, in microseconds of one processor, by its rays.
     pub work: f64,
     /// One over variance and work, by that of the usual way.
     pub efficiency: f64,
@@ -83,7 +83,7 @@ impl Pilot {
     pub fn explanation(&self) -> Vec<String> {
         let line = |trial: &Trial| {
             format!(
-                "auto tried {}: variance {:.3e}, {:.3e} rays, efficiency {:.3}",
+                "auto tried {}: variance {:.3e}, work {:.3e}, efficiency {:.3}",
                 trial.way, trial.variance, trial.work, trial.efficiency
             )
         };

@@ -33,6 +33,9 @@ pub struct ReferenceFigures {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Cell {
     pub method: String,
+    /// What its pilot has come to, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub way: Option<String>,
     pub spp: u32,
     pub repeats: usize,
     pub verdict: Verdict,

@@ -10,7 +10,7 @@ use super::verdict::Verdict;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
 use crate::jobs::seeds::nth_seed;
-use crate::methods::{self, EngineError, Image, Method, Progress, Settings};
+use crate::methods::{self, EngineError, Image, Method, Progress, Question, Settings};
 use std::time::Instant;
 
 /// What a method other than finite differences takes, in camera paths of an image, about.
@@ -23,6 +23,8 @@ struct Trial {
     runs: Vec<Run>,
     /// The sentence of a method that refuses.
     refused: Option<String>,
+    /// What a pilot has come to, in words, once it is asked: that is not timed.
+    way: Option<String>,
 }
 
 /// The cells of a direction, and a gradient picture of each that has one: that of the first repeat.
@@ -62,11 +64,12 @@ pub fn measure(
             spp: *spp,
             runs: Vec::new(),
             refused: None,
+            way: None,
         }));
     }
     for repeat in 0..effort.repeats {
         for trial in &mut trials {
-            if trial.refused.is_none() {
+            if trial.refused.is_none() && trial.settle(task, progress)? {
                 trial.run(task, repeat, progress)?;
             }
             done(task.paths(trial.spp) * images(trial.contestant.method));
@@ -80,6 +83,33 @@ pub fn measure(
 }
 
 impl Trial {
+    /// Asks the pilot of a method that has one; whether the method does not refuse.
+    fn settle(&mut self, task: &Task, progress: &dyn Progress) -> Result<bool, Failure> {
+        let settings = Settings {
+            method: self.contestant.method,
+            constants: self.contestant.constants,
+            spp: self.spp,
+            ..task.settings.clone()
+        };
+        if !settings.needs_pilot() {
+            return Ok(true);
+        }
+        let question = Question::Forward(&task.direction);
+        match methods::decide(task.scene, &settings, &question, progress) {
+            Ok((settled, pilot)) => {
+                self.contestant.method = settled.method;
+                self.contestant.constants = settled.constants;
+                self.way = Some(pilot.chosen);
+                Ok(true)
+            }
+            Err(EngineError::Refused(sentence)) => {
+                self.refused = Some(sentence);
+                Ok(false)
+            }
+            Err(other) => Err(Failure::from_engine(other, None)),
+        }
+    }
+
     fn run(&mut self, task: &Task, repeat: usize, progress: &dyn Progress) -> Result<(), Failure> {
         let settings = Settings {
             method: self.contestant.method,
@@ -120,6 +150,7 @@ impl Trial {
         let cell = |verdict, figures, times| Cell {
             method: self.contestant.name.clone(),
             spp: self.spp,
+            way: self.way.clone(),
             repeats,
             verdict,
             figures,

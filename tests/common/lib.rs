@@ -42,7 +42,8 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         backend: Backend::default(),
         standard_error: false,
         groups: None,
-        warp: Default::default(),
+        constants: Default::default(),
+        tiles: None,
     }
 }
 

@@ -90,10 +90,21 @@ pub fn both_sides(
     weight: &Image,
     method: Method,
 ) -> Sides {
+    let settings = settings(prepared.scene, method, 32, 4);
+    both_sides_by(prepared, direction, weight, settings)
+}
+
+/// The same by settings of one's own.
+pub fn both_sides_by(
+    prepared: &Prepared,
+    direction: &Direction,
+    weight: &Image,
+    settings: Settings,
+) -> Sides {
     let scene = prepared.scene;
     let settings = Settings {
         standard_error: true,
-        ..settings(scene, method, 32, 4)
+        ..settings
     };
     let forward = prepared.forward(&settings, direction, &Quiet);
     let result = forward.expect("a gradient image");

@@ -21,6 +21,7 @@ mod hidden_edges;
 mod last_vertex;
 #[cfg(feature = "long-tests")]
 mod long;
+mod mixtures;
 mod needs;
 mod refusals;
 mod second_estimator;

@@ -8,7 +8,7 @@ use common::scenes::*;
 use common::statistics::Agreement;
 use common::{direction, gradient, settings};
 use glam::vec3;
-use warpath::methods::{Method, Settings};
+use warpath::methods::{Constants, Method, Settings};
 use warpath::scene::{Distribution, Scene};
 use warpath::warp::options::WarpOptions;
 
@@ -29,7 +29,10 @@ fn agreement(
         (first..first + RUNS)
             .map(|seed| {
                 let settings = Settings {
-                    warp,
+                    constants: Constants {
+                        warp,
+                        ..Constants::default()
+                    },
                     ..settings(scene, method, spp, seed)
                 };
                 gradient(scene, &settings, &along)

@@ -35,6 +35,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         ));
     }
     let mut check = Check::new(session, settings, direction);
+    check.ask_pilot()?;
     check.announce();
     let first = check.run_tested()?;
     check.tell_time();

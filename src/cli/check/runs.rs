@@ -7,7 +7,9 @@ use crate::cli::pace::{Kind, Pace};
 use crate::cli::session::Session;
 use crate::jobs::direction::Direction;
 use crate::jobs::seeds::{FIRST_REFERENCE_SEED, nth_seed};
-use crate::methods::{self, ForwardGradient, Image, Method, Objective, Settings};
+use crate::methods::{
+    self, ForwardGradient, Image, Method, Objective, Question, Settings, Statistics,
+};
 use crate::scene::parameters::{self, Parameter};
 use crate::statistics::comparison::Comparison;
 use crate::statistics::replicates::Replicates;
@@ -60,6 +62,30 @@ impl Check {
             2 * LEAST_RUNS + 1,
             methods::DIFFERENCE_IMAGES,
         ));
+    }
+
+    /// Settles what `auto` does in all runs, forward and backward.
+    pub fn ask_pilot(&mut self) -> Result<(), Failure> {
+        if !self.settings.needs_pilot() {
+            return Ok(());
+        }
+        let keys: Vec<Parameter> = self.direction.iter().map(|(p, _)| p.clone()).collect();
+        let settings = self.settings.clone();
+        let (settled, statistics) = self.session.trace(
+            "pilot",
+            &settings,
+            |scene, settings, progress| {
+                let question = Question::Backward(&keys);
+                let (settled, pilot) = methods::decide(scene, settings, &question, progress)?;
+                let mut statistics = Statistics::default();
+                statistics.add_pilot(pilot);
+                Ok((settled, statistics))
+            },
+            |(_, statistics)| statistics,
+        )?;
+        self.session.log.note(&statistics.notes.concat());
+        self.settings = settled;
+        Ok(())
     }
 
     /// Says how long the rest takes, if that is known.

@@ -11,7 +11,7 @@ pub mod view;
 
 use crate::jobs::failure::Failure;
 use crate::jobs::settings::{MOST_SAMPLES, RequestedSettings};
-use crate::methods::{EngineError, Prepared, Progress, Settings, Workers};
+use crate::methods::{EngineError, Pilot, Prepared, Progress, Question, Settings, Workers};
 use crate::optimize::cameras;
 use crate::optimize::config::Config;
 use crate::optimize::loss::Comparison;
@@ -49,6 +49,8 @@ pub struct Problem {
     /// The scene that is to be found, if it is known.
     pub truth: Option<Scene>,
     pub warnings: Vec<String>,
+    /// How `auto` has come to what all steps are done with.
+    pub pilot: Option<Pilot>,
     /// Spent on loading and building, on rendering the targets.
     pub seconds: [f64; 2],
 }
@@ -108,9 +110,11 @@ impl Problem {
             start,
             truth,
             warnings,
+            pilot: None,
             seconds: [loaded, 0.0],
         };
         problem.read_views(&wanted, progress)?;
+        problem.ask_pilot(progress)?;
         problem.seconds[1] = begun.elapsed().as_secs_f64();
         Ok(problem)
     }
@@ -189,6 +193,32 @@ impl Problem {
                     .map_err(|what| self.config.places.wrong("render.downscale", what))?;
             }
         }
+        Ok(())
+    }
+
+    /// Settles what `auto` does in all steps: what is best for the first view of the scene as it
+    /// starts, which is the same however often a run is taken up again.
+    fn ask_pilot(&mut self, progress: &dyn Progress) -> Result<(), Failure> {
+        if !self.settings.needs_pilot() {
+            return Ok(());
+        }
+        let Machine {
+            workers, backend, ..
+        } = &self.machine;
+        let cancelled = || progress.cancelled();
+        let prepared = Prepared::with_workers(&self.start, workers, *backend, &cancelled);
+        let parameters = self.variables.iter().map(|v| v.parameter.clone());
+        let parameters: Vec<_> = parameters.collect();
+        let settings = Settings {
+            spp: self.even(self.config.render.spp.at(0, self.config.steps) as u32),
+            ..self.settings_of(&self.views[0], 0)
+        };
+        let decided = prepared
+            .and_then(|p| p.decide(&settings, &Question::Backward(&parameters), progress))
+            .map_err(failed)?;
+        let (settled, pilot) = decided;
+        self.settings.constants = settled.constants;
+        self.pilot = Some(pilot);
         Ok(())
     }
 

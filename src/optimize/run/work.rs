@@ -6,7 +6,7 @@ use super::record::Record;
 use super::state::State;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
-use crate::methods::{EngineError, Progress, Statistics, Workers};
+use crate::methods::{EngineError, Pilot, Progress, Statistics, Workers};
 use crate::optimize::config::Config;
 use crate::optimize::problem::{Machine, Problem};
 use crate::optimize::results;
@@ -101,6 +101,7 @@ pub struct Summary {
     pub known: Vec<String>,
     /// PSNR in decibels of views that were held out, by name.
     pub held_out: Vec<(String, f64)>,
+    pub pilot: Option<Pilot>,
 }
 
 struct Quiet<'a>(&'a dyn Watch);
@@ -199,6 +200,7 @@ fn whole(
             .collect(),
         files: written.files,
         scene_hash: problem.base.scene.hash,
+        pilot: problem.pilot.clone(),
         held_out: written.held_out,
     })
 }

@@ -134,9 +134,11 @@ fn line(cell: &Cell) -> String {
             format!("{share:.0e} ({})", causes.join(", ").replace('_', " "))
         }
     });
+    let way = cell.way.as_ref().map(|way| format!(" ({way})"));
     format!(
-        "| `{}` | {} × {} | {kind}: {} | {bias} | {} | {} | {} | {} | {rejected} | {} |\n",
+        "| `{}`{} | {} × {} | {kind}: {} | {bias} | {} | {} | {} | {} | {rejected} | {} |\n",
         cell.method,
+        way.unwrap_or_default(),
         cell.repeats,
         cell.spp,
         // A sentence may hold what would end a cell.

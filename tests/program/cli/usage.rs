@@ -99,11 +99,6 @@ fn wrong_usage_is_told() {
                 "no file is named",
             ),
             (
-                "forward s.xml --param floor.translation=1 --method auto",
-                2,
-                "auto is not built yet",
-            ),
-            (
                 "forward s.xml --param floor.translation=1 --method magic",
                 2,
                 "reparam",

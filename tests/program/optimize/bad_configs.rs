@@ -151,7 +151,7 @@ const BAD: [(&str, &str, &str); 62] = [
     (
         "spp = 8\n",
         "method = \"reparm\"\n",
-        "there is no \"reparm\"; write one of reparam, edges, loubet, warped-area, interior, fd; the nearest known name is \"reparam\"",
+        "there is no \"reparm\"; write one of reparam, edges, loubet, warped-area, interior, fd, auto; the nearest known name is \"reparam\"",
     ),
     (
         "spp = 8\n",

@@ -1,0 +1,43 @@
+//! What a pilot of `auto` may come to.
+
+use super::estimators::Method;
+use super::settings::Settings;
+use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
+
+/// A way to come by a gradient.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Contender {
+    Mixture(Mixture),
+    Differences,
+}
+
+impl Contender {
+    /// The settings with which it is gone.
+    pub fn settle(self, settings: &Settings) -> Settings {
+        let mut settled = settings.clone();
+        match self {
+            Contender::Mixture(mixture) => settled.constants.mixture = Some(mixture),
+            Contender::Differences => settled.method = Method::REFERENCE,
+        }
+        settled
+    }
+
+    /// In words.
+    pub fn name(self) -> String {
+        match self {
+            Contender::Mixture(Mixture { film, lobes }) => {
+                let film = match film {
+                    OnFilm::Drifting => "cells on the film",
+                    OnFilm::Resting => "cells on a film at rest",
+                    OnFilm::Edges => "edges on the film",
+                };
+                let lobes = match lobes {
+                    OverLobes::Cells => "cells over lobes",
+                    OverLobes::Edges => "edges over lobes",
+                };
+                format!("{film}, {lobes}")
+            }
+            Contender::Differences => "finite differences".into(),
+        }
+    }
+}

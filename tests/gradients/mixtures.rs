@@ -1,0 +1,182 @@
+//! `auto`: what its pilot may come to is right, and it comes to the same every time.
+
+use common::comparison::*;
+use common::scenes::*;
+use common::shapes::Random;
+use common::transposition::{
+    all_parameters, both_sides_by, difference, prepared, random_values, random_weight,
+};
+use common::{Direction, Quiet, direction, flat, gradient, settings};
+use glam::Vec3;
+use warpath::methods::{
+    Constants, Method, Mixture, OnFilm, OverLobes, Pilot, Prepared, Question, Settings, decide,
+    forward,
+};
+use warpath::scene::{Lens, Scene};
+use warpath::statistics::agreement::Agreement;
+
+/// Independent runs of each.
+const RUNS: u64 = 16;
+const SIGMAS: f64 = 4.0;
+
+const MOVED: [f32; 3] = [1.0, 0.2, 0.4];
+
+fn mixtures() -> impl Iterator<Item = Mixture> {
+    let films = [OnFilm::Drifting, OnFilm::Resting, OnFilm::Edges];
+    let of_film = |film| [OverLobes::Cells, OverLobes::Edges].map(|lobes| Mixture { film, lobes });
+    films.into_iter().flat_map(of_film).skip(1)
+}
+
+fn by(scene: &Scene, mixture: Mixture, spp: u32, seed: u64) -> Settings {
+    Settings {
+        constants: Constants {
+            mixture: Some(mixture),
+            ..Constants::default()
+        },
+        ..settings(scene, Method::Auto, spp, seed)
+    }
+}
+
+/// A film that drifts, over things that shade each other under the sky.
+fn leaves() -> Scene {
+    foliage()
+}
+
+#[test]
+fn all_are_right() {
+    let scene = leaves();
+    let along = direction(&scene, &[("cam.translation", &MOVED)]);
+    let runs = |own: &dyn Fn(u64) -> Settings, first: u64| -> Vec<Vec<f64>> {
+        let seeds = first..first + RUNS;
+        seeds
+            .map(|seed| gradient(&scene, &own(seed), &along))
+            .collect()
+    };
+    let usual = runs(&|seed| settings(&scene, Method::Reparam, 256, seed), 1);
+    for mixture in mixtures() {
+        let own = runs(&|seed| by(&scene, mixture, 256, seed), 1000);
+        let agreement = Agreement::new(&own, &usual);
+        println!("{mixture:?}: {agreement:.4?}");
+        assert!(agreement.bias.error < 0.05, "{mixture:?}: {agreement:.4?}");
+        assert!(agreement.holds(SIGMAS), "{mixture:?}: {agreement:.4?}");
+    }
+}
+
+#[test]
+fn forward_and_backward_are_transposed() {
+    let scene = room(3);
+    let mut random = Random::new(3);
+    let along: Direction = all_parameters(&scene)
+        .into_iter()
+        .map(|p| (p.clone(), random_values(&mut random, p.len())))
+        .collect();
+    let weight = random_weight(&mut random, &scene);
+    let prepared = prepared(&scene);
+    for mixture in mixtures() {
+        let sides = both_sides_by(&prepared, &along, &weight, by(&scene, mixture, 32, 4));
+        assert_eq!(difference(&format!("{mixture:?}"), &sides), None);
+        assert!(
+            sides.allowed > 0.0,
+            "{mixture:?}: nothing was differentiated"
+        );
+    }
+}
+
+/// A ball before the sky, which its own lobes see nothing but.
+fn ball_in_the_sky() -> Scene {
+    scene(
+        Vec3::new(0.0, -5.0, 0.0),
+        Vec3::ZERO,
+        30.0,
+        [16, 16],
+        GAUSSIAN,
+    )
+    .depth(3)
+    .constant_environment([1.0; 3])
+    .solid("ball", ball(3, Vec3::ZERO, 0.8), [0.3, 0.7, 0.2])
+}
+
+fn asked(prepared: &Prepared, settings: &Settings, question: &Question) -> (Settings, Pilot) {
+    prepared
+        .decide(settings, question, &Quiet)
+        .expect("a decision")
+}
+
+/// Neither the seed nor the threads matter, and who asks again is told the same without a pilot.
+#[test]
+fn it_comes_to_the_same_every_time() {
+    let scene = ball_in_the_sky();
+    let along = direction(&scene, &[("ball.translation", &MOVED)]);
+    let keys: Vec<_> = along.iter().map(|(p, _)| p.clone()).collect();
+    for question in [Question::Forward(&along), Question::Backward(&keys)] {
+        let with = |seed, threads| Settings {
+            threads,
+            ..settings(&scene, Method::Auto, 16, seed)
+        };
+        let (one, pilot) = decide(&scene, &with(1, 1), &question, &Quiet).expect("a decision");
+        assert!(pilot.trials.len() > 2, "{pilot:?}");
+        assert!(!one.needs_pilot());
+        let prepared = prepared(&scene);
+        for (seed, threads) in [(7, 2), (9, 1)] {
+            let (other, again) = asked(&prepared, &with(seed, threads), &question);
+            assert_eq!(other.method, one.method);
+            assert_eq!(other.constants, one.constants);
+            assert_eq!(
+                (&again.chosen, &again.trials),
+                (&pilot.chosen, &pilot.trials)
+            );
+            assert_eq!(again.seconds == 0.0, seed == 9, "a pilot was asked again");
+        }
+    }
+}
+
+/// What is done is what would have been done had it been asked for.
+#[test]
+fn it_does_what_it_says() {
+    let scene = ball_in_the_sky();
+    let along = direction(&scene, &[("ball.translation", &MOVED)]);
+    let own = settings(&scene, Method::Auto, 16, 3);
+    let done = forward(&scene, &own, &along, &Quiet).expect("a gradient");
+    let pilot = done.statistics.pilot.as_ref().expect("a pilot");
+    let best = pilot
+        .trials
+        .iter()
+        .map(|t| t.efficiency)
+        .fold(0.0, f64::max);
+    let chosen = pilot.trials.iter().find(|t| t.way == pilot.chosen);
+    assert_eq!(chosen.map(|t| t.efficiency), Some(best), "{pilot:?}");
+    assert!(
+        best > 1.2,
+        "the ball's own lobes see the even sky: {pilot:?}"
+    );
+    let (settled, _) =
+        decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
+    let again = forward(&scene, &settled, &along, &Quiet).expect("a gradient");
+    assert_eq!(flat(&done.gradient), flat(&again.gradient));
+}
+
+/// Nothing is tried where there is nothing to choose, or where nothing but differences is right.
+#[test]
+fn it_says_why_nothing_is_tried() {
+    let mut scene = ball_in_the_sky();
+    let colour = direction(&scene, &[("ball.bsdf.reflectance.value", &[1.0, 0.5, 0.2])]);
+    let own = settings(&scene, Method::Auto, 4, 3);
+    let why = |scene: &Scene, along: &Direction| {
+        let done = forward(scene, &own, along, &Quiet).expect("a gradient");
+        let pilot = done.statistics.pilot.expect("a pilot");
+        assert!(pilot.trials.is_empty(), "{pilot:?}");
+        (pilot.chosen, pilot.because.expect("a reason"))
+    };
+    assert_eq!(why(&scene, &colour).1, "nothing that moves has edges");
+    scene.sensors[0].lens = Lens::Thin {
+        aperture_radius: 0.1,
+        focus_distance: 5.0,
+    };
+    let moved = direction(&scene, &[("ball.translation", &MOVED)]);
+    let (chosen, because) = why(&scene, &moved);
+    assert_eq!(chosen, "finite differences");
+    assert!(because.contains("lens with an aperture"), "{because}");
+    let keys: Vec<_> = moved.iter().map(|(p, _)| p.clone()).collect();
+    let refused = decide(&scene, &own, &Question::Backward(&keys), &Quiet);
+    assert!(refused.is_err(), "{refused:?}");
+}
