@@ -24,6 +24,9 @@ use crate::scene::parameters::{self, Parameter};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+/// Parameters and their tangents.
+type Direction = Vec<(Parameter, Vec<f32>)>;
+
 /// The pilot's own random numbers.
 const SEED: u64 = 0x7069_6c6f_7400_0001;
 const GROUPS: u32 = 4;
@@ -126,7 +129,7 @@ fn moving_direction(
     prepared: &Prepared,
     settings: &Settings,
     question: &Question,
-) -> Result<Option<Vec<(Parameter, Vec<f32>)>>, EngineError> {
+) -> Result<Option<Direction>, EngineError> {
     let scene = prepared.scene;
     let moves = |direction: &[(Parameter, Vec<f32>)]| {
         let moves = tangent(prepared, settings, direction)?.moves_edges(scene);
