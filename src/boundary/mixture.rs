@@ -1,7 +1,7 @@
 //! Our cells and points drawn on edges, mixed: one on the film, one over lobes.
 //!
 //! Both find the whole of each integral's boundary term, so any mixture of them is right. Which has
-//! the least noise depends on the scene (`docs/method.md`, 15). Over lights and environment maps it
+//! the least noise depends on the scene (`docs/method.md`, 14). Over lights and environment maps it
 //! is always the cells.
 
 use super::cells::Cells;

@@ -303,7 +303,7 @@ fn variance(found: &ForwardGradient) -> f64 {
 }
 
 /// About the microseconds that rays take with all that is done about them, fitted to the failure
-/// battery (`docs/method.md`, 15): three in four estimates are right to within 1.4 times.
+/// battery (`docs/method.md`, 14).
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
         (Contender::Differences, "camera") => 0.05,

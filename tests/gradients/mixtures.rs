@@ -146,7 +146,7 @@ fn it_does_what_it_says() {
         .fold(0.0, f64::max);
     let chosen = pilot.trials.iter().find(|t| t.way == pilot.chosen);
     assert_eq!(chosen.map(|t| t.efficiency), Some(best), "{pilot:?}");
-    assert!(best > 2.0, "{pilot:?}");
+    assert_ne!(pilot.chosen, pilot.trials[0].way, "{pilot:?}");
     let (settled, _) =
         decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
     let again = forward(&scene, &settled, &along, &Quiet).expect("a gradient");

@@ -189,3 +189,25 @@ fn json_puts_the_report_on_stdout() {
     let written = std::fs::read(directory.path().join("out/report.json")).unwrap();
     assert_eq!(out.stdout, written);
 }
+
+/// `auto` says what its pilot tried, in the report and, if asked, on stderr.
+#[test]
+fn auto_explains_itself() {
+    let directory = workplace();
+    let line = "forward s.xml --param card.translation=1,0,0 --method auto --explain -o out";
+    let out = warpath(directory.path(), &typed(line));
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{message}");
+    let report = std::fs::read(directory.path().join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert_eq!(report["method"], "auto");
+    let trials = report["pilot"]["trials"].as_array().unwrap();
+    assert!(trials.len() > 2, "{report}");
+    for trial in trials {
+        let way = trial["way"].as_str().unwrap();
+        assert!(message.contains(&format!("auto tried {way}:")), "{message}");
+    }
+    let chosen = report["pilot"]["chosen"].as_str().unwrap();
+    assert!(trials.iter().any(|trial| trial["way"] == chosen));
+    assert!(message.contains(&format!("auto: {chosen}")), "{message}");
+}

@@ -17,6 +17,9 @@ use crate::paths::dimensions::{Branch, Pair, Single};
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
 
+/// Reflected lobes wider than this see what a packet's bounces do not tell of.
+const WIDE_RAD: f64 = 0.04;
+
 /// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is
 /// drawn for all lanes.
 pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
@@ -54,8 +57,8 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
 }
 
 /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all.
-/// But where narrow lobes of a packet see different meshes, a silhouette is near, and all its lanes
-/// look for it.
+/// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they are
+/// not that narrow, one may be near though they do not: all its lanes look for it.
 fn among_surfaces(search: &mut LobeSearch) {
     let At {
         vertices, numbers, ..
@@ -78,7 +81,8 @@ fn among_surfaces(search: &mut LobeSearch) {
         if count == 0 {
             continue;
         }
-        let all = group == 0 && sees_several(search, lanes & search.bounce.rays.active);
+        let all = group == 0
+            && (is_wide(search, lanes) || sees_several(search, lanes & search.bounce.rays.active));
         let name = [numbers.index[0], numbers.depth, group as u32];
         let chosen = (numbers.stream.single(Single::LobeLane, name) * count as f32) as u32;
         let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
@@ -89,6 +93,16 @@ fn among_surfaces(search: &mut LobeSearch) {
                 line_of_lane(search, lane, count as f64);
             }
         }
+    }
+}
+
+/// Whether the first of these lanes reflects in a wide lobe.
+fn is_wide(search: &LobeSearch, lanes: u32) -> bool {
+    let lane = lanes.trailing_zeros() as usize;
+    let width_rad = |lobe| LaneSurface::new(search.at, lane, lobe).main_direction().1;
+    match Lobe::of_lane(search.at.vertices, lane) {
+        Some(Lobe::Reflected) => width_rad(Lobe::Reflected) > WIDE_RAD,
+        _ => false,
     }
 }
 
