@@ -59,7 +59,7 @@ def test_twenty_steps_find_the_truth(worker: Worker) -> None:
             seeds = Seeds.of(run, step)
             image = view.image(values, seeds.image)
             slopes = view.gradients(values, 2 * (image - target) / image.size, seeds.derivative)
-            values[COLOUR] = values[COLOUR] - 3 * slopes.values[COLOUR]
+            values[COLOUR] = values[COLOUR] - 6 * slopes.values[COLOUR]
             # Along the first axis alone: down and back the picture hardly changes.
             values[POSITION] = values[POSITION] - [2 * slopes.values[POSITION][0], 0, 0]
         return np.append(values[COLOUR], values[POSITION][0])

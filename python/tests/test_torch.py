@@ -131,7 +131,7 @@ def test_an_optimiser_of_torch_finds_the_truth_in_twenty_steps(worker: Worker) -
 
     def found(run: int) -> np.ndarray:
         colour = torch.full((3,), 0.5, requires_grad=True)
-        optimizer = torch.optim.SGD([colour], lr=3)
+        optimizer = torch.optim.SGD([colour], lr=6)
         for step in range(20):
             optimizer.zero_grad()
             image = render(view, {COLOUR: colour}, Seeds.of(run, step))

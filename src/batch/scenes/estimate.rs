@@ -83,11 +83,17 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     let tiles = settings.threads as u64 * (TILE_BYTES + WAITING_TILES * (2 << 16));
     let own = match job.mode {
         Mode::Render => image,
-        Mode::Forward if settings.method.displaces_scenes() => {
-            pixels * (24 + 12) * (groups + 1) + of_scene(scene)
+        Mode::Forward => {
+            let displaced = pixels * (24 + 12) * (groups + 1) + of_scene(scene);
+            // The directions of all vertices, and their motion.
+            let swept = 2 * image + 3 * 12 * vertices;
+            match settings.method {
+                method if method.displaces_scenes() => displaced,
+                // Which it will be is not known yet.
+                method if method.asks_a_pilot() => displaced.max(swept),
+                _ => swept,
+            }
         }
-        // The directions of all vertices, and their motion.
-        Mode::Forward => 2 * image + 3 * 12 * vertices,
         Mode::Backward => {
             let smooth = scene.meshes.iter().any(|m| m.normals.vertex().is_some());
             let numbers = vertices * if smooth { 2 } else { 1 } + texels(scene);
