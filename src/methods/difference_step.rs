@@ -19,12 +19,8 @@ pub fn step(
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
 ) -> Result<f64, EngineError> {
-    let named: Vec<(&str, &[f32])> = direction
-        .iter()
-        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-        .collect();
-    let tangent =
-        tangent(scene, &named, settings.sensor).map_err(|e| EngineError::Refused(e.to_string()))?;
+    let tangent = tangent(scene, direction, settings.sensor)
+        .map_err(|e| EngineError::Refused(e.to_string()))?;
     let camera = Camera::new(&scene.sensors[settings.sensor]);
     let width = settings
         .resolution

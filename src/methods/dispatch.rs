@@ -139,11 +139,7 @@ impl Prepared<'_> {
         boundary: Option<MakeBoundary>,
         progress: &dyn Progress,
     ) -> Result<ForwardGradient, EngineError> {
-        let named: Vec<(&str, &[f32])> = direction
-            .iter()
-            .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-            .collect();
-        let tangent = parameters::tangent(self.scene, &named, settings.sensor)?;
+        let tangent = parameters::tangent(self.scene, direction, settings.sensor)?;
         super::forward::forward(self, settings, &tangent, boundary, progress)
     }
 

@@ -19,7 +19,6 @@ use super::settings::{Groups, Settings};
 use super::stage::Stage;
 use super::statistics::{Pilot, Statistics, Trial};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
-use crate::scene::SceneDifferential;
 use crate::scene::parameters::{self, Parameter};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -132,8 +131,8 @@ fn moving_direction(
 ) -> Result<Option<Direction>, EngineError> {
     let scene = prepared.scene;
     let moves = |direction: &[(Parameter, Vec<f32>)]| {
-        let moves = tangent(prepared, settings, direction)?.moves_edges(scene);
-        Ok::<_, EngineError>(moves)
+        let tangent = parameters::tangent(scene, direction, settings.sensor)?;
+        Ok::<_, EngineError>(tangent.moves_edges(scene))
     };
     let direction = match question {
         Question::Forward(direction) => direction.to_vec(),
@@ -152,22 +151,6 @@ fn moving_direction(
     };
     let is_worth_it = !direction.is_empty() && moves(&direction)?;
     Ok(is_worth_it.then_some(direction))
-}
-
-fn tangent(
-    prepared: &Prepared,
-    settings: &Settings,
-    direction: &[(Parameter, Vec<f32>)],
-) -> Result<SceneDifferential, EngineError> {
-    let named: Vec<(&str, &[f32])> = direction
-        .iter()
-        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-        .collect();
-    Ok(parameters::tangent(
-        prepared.scene,
-        &named,
-        settings.sensor,
-    )?)
 }
 
 /// Fewer samples on fewer tiles, as the whole job would put them.
@@ -199,7 +182,7 @@ fn possible(
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
 ) -> Result<(bool, bool), EngineError> {
-    let tangent = tangent(prepared, settings, direction)?;
+    let tangent = parameters::tangent(prepared.scene, direction, settings.sensor)?;
     let boundary = Method::Auto.boundary();
     let mut stage = Stage::new(prepared, settings, boundary, &mut Statistics::default())?;
     stage.ask_about(&tangent);

@@ -113,11 +113,7 @@ pub fn both_sides_by(
     let objective = Objective::Adjoint(weight);
     let backward = prepared.backward(&settings, &wanted, &objective, &Quiet);
     let pulled = backward.expect("a gradient");
-    let named: Vec<(&str, &[f32])> = direction
-        .iter()
-        .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-        .collect();
-    let tangent = parameters::tangent(scene, &named, 0).expect("a tangent");
+    let tangent = parameters::tangent(scene, direction, 0).expect("a tangent");
 
     let reduced = direction
         .iter()

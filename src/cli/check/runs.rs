@@ -230,13 +230,8 @@ impl Check {
             let reduced = parameters::reduce(scene, parameter, &done.gradient);
             backward += inner(&reduced, tangent).0;
         }
-        let named: Vec<(&str, &[f32])> = self
-            .direction
-            .iter()
-            .map(|(p, v)| (p.key.as_str(), v.as_slice()))
-            .collect();
         // What moves as one cancels over its vertices.
-        let tangent = parameters::tangent(scene, &named, settings.sensor)?;
+        let tangent = parameters::tangent(scene, &self.direction, settings.sensor)?;
         let size = done.gradient.inner_magnitude(&tangent);
         let weight: f64 = weights.iter().map(|w| f64::from(w.abs())).sum();
         Ok(Transposition::new(

@@ -26,6 +26,13 @@ pub struct Parameter {
     pub target: Option<Target>,
 }
 
+/// Its key.
+impl AsRef<str> for Parameter {
+    fn as_ref(&self) -> &str {
+        &self.key
+    }
+}
+
 impl Parameter {
     /// How many numbers it has.
     pub fn len(&self) -> usize {
