@@ -62,6 +62,22 @@ pub fn prepare_directory(directory: &Path) -> Result<(), FileError> {
         })
 }
 
+/// Takes away what processes that were killed had begun to write in a folder, which nobody else may
+/// be writing into. What cannot be removed is in nobody's way.
+pub fn sweep(directory: &Path) {
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| is_temporary(&entry.file_name().to_string_lossy())) {
+        let _ = fs::remove_file(entry.path());
+    }
+}
+
+/// Whether a file's name is one of [`temporary_name`]'s.
+fn is_temporary(name: &str) -> bool {
+    let process = name.strip_suffix(".tmp").and_then(|n| n.rsplit_once('.'));
+    let is_number = |n: &str| n.bytes().all(|b| b.is_ascii_digit());
+    name.starts_with('.') && process.is_some_and(|(_, n)| is_number(n))
+}
+
 /// Hidden, beside the file it will become (a rename must not cross file systems), and told apart by
 /// process so that two runs into one directory do not write into each other's.
 fn temporary_name(path: &Path) -> PathBuf {
@@ -88,5 +104,17 @@ mod tests {
         assert!(failed.unwrap_err().to_string().contains("disk full"));
         assert_eq!(fs::read(&path).unwrap(), b"first");
         assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn only_what_was_left_unfinished_is_swept_away() {
+        let directory = tempfile::tempdir().unwrap();
+        let left = temporary_name(&directory.path().join("a.npy"));
+        for name in [left.as_path(), Path::new("a.npy"), Path::new(".mine.tmp")] {
+            fs::write(directory.path().join(name), "x").unwrap();
+        }
+        sweep(directory.path());
+        assert!(!left.exists());
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 2);
     }
 }

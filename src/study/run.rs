@@ -9,6 +9,7 @@ use super::report::gradients;
 use super::task::Task;
 use crate::jobs::failure::Failure;
 use crate::methods::Progress;
+use crate::output::atomic;
 use crate::scene::{self, Filter, Scene};
 use crate::trace::Backend;
 use std::path::PathBuf;
@@ -53,6 +54,9 @@ pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Fa
         }
     }
     let mut journal = Journal::open(&options.directory, options.resume)?;
+    // The journal is locked: what is unfinished here is nobody's.
+    atomic::sweep(&options.directory);
+    atomic::sweep(&options.directory.join(gradients::FOLDER));
     let cost = |task: &Task| match journal.find(task.key) {
         Some(_) => 0,
         None => reference::paths(task, &plan.reference) + measure::paths(task),

@@ -147,7 +147,8 @@ fn whole(
         watch.warn(warning);
     }
     if ranks.writes() {
-        sweep(&options.directory);
+        atomic::sweep(&options.directory);
+        atomic::sweep(&options.directory.join("scene"));
     }
     watch.begin(state.step, problem.config.steps);
     let (setup, first_step) = (meter.part(), state.step);
@@ -261,24 +262,6 @@ fn check_folder(options: &Options) -> Result<(), Failure> {
             path.display()
         ))),
         _ => Ok(()),
-    }
-}
-
-/// Takes away what a run that was killed had not finished writing.
-fn sweep(directory: &Path) {
-    for folder in [directory.to_path_buf(), directory.join("scene")] {
-        let Ok(entries) = std::fs::read_dir(folder) else {
-            continue;
-        };
-        for entry in entries.flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let process = name.strip_suffix(".tmp").and_then(|n| n.rsplit_once('.'));
-            let is_number = |n: &str| n.bytes().all(|b| b.is_ascii_digit());
-            if name.starts_with('.') && process.is_some_and(|(_, n)| is_number(n)) {
-                // What cannot be removed is in nobody's way.
-                let _ = std::fs::remove_file(entry.path());
-            }
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::study::task::Task;
 use std::path::{Path, PathBuf};
 
 /// The folder of a study's gradient images.
-const FOLDER: &str = "gradients";
+pub const FOLDER: &str = "gradients";
 
 /// Of the reference.
 pub fn reference_path(directory: &Path, scene: &str, direction: &str) -> PathBuf {

@@ -37,6 +37,9 @@ fn killed_studies_go_on_and_end_with_the_same_bytes() {
     write_config(at);
     let whole = warpath(at, &typed("study c.toml -o whole --threads 1 -q"));
     assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stderr));
+    // As a process leaves it that is killed while it writes.
+    std::fs::create_dir_all(at.join("killed/gradients")).unwrap();
+    std::fs::write(at.join("killed/gradients/.a.npy.4711.tmp"), "half").unwrap();
     let mut finished = false;
     for kill in 0..60u64 {
         let mut command = Command::new(env!("CARGO_BIN_EXE_warpath"));
