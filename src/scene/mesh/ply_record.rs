@@ -13,7 +13,11 @@ pub(super) const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 pub(super) const UV_PAIRS: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
 
 /// Names of a vertex's colour; the first three that a file has count.
-pub(super) const COLOURS: [[&str; 3]; 2] = [["r", "g", "b"], ["red", "green", "blue"]];
+pub(super) const COLOURS: [[&str; 3]; 3] = [
+    ["r", "g", "b"],
+    ["red", "green", "blue"],
+    ["color_0", "color_1", "color_2"],
+];
 
 /// One vertex, face, or anything else: what of it a mesh needs.
 #[derive(Default)]
@@ -23,7 +27,7 @@ pub(super) struct Record {
     /// By [`UV_PAIRS`].
     pub uvs: [[f32; 2]; 3],
     /// By [`COLOURS`].
-    pub colours: [[f32; 3]; 2],
+    pub colours: [[f32; 3]; COLOURS.len()],
     /// Corners of a face. Two kinds, because the parser fills a vector of the type the file has.
     pub signed_corners: Vec<i32>,
     pub corners: Vec<u32>,

@@ -79,7 +79,7 @@ impl Textures {
             };
             let Some(colours) = colours else {
                 let what = format!(
-                    "the vertices of \"{}\" have no colours: a ply has them as properties red, green and blue",
+                    "the vertices of \"{}\" have no colours: a ply has them as properties red, green and blue, or color_0 to color_2",
                     shown(id)
                 );
                 return Err(SceneError::at(&place, what));

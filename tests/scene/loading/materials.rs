@@ -248,10 +248,10 @@ fn mixtures_and_layers_have_mitsubas_keys() {
 /// Colours are as the file has them, and bytes are no fractions, as in Mitsuba.
 #[test]
 fn vertices_bring_colours() {
-    let ply = |colour: &str, kind: &str| {
+    let ply = |colour: &str, kind: &str, [red, green, blue]: [&str; 3]| {
         format!(
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-             property {kind} red\nproperty {kind} green\nproperty {kind} blue\nelement face 1\n\
+             property {kind} {red}\nproperty {kind} {green}\nproperty {kind} {blue}\nelement face 1\n\
              property list uchar int vertex_indices\nend_header\n0 0 0 {colour}\n1 0 0 {colour}\n0 1 0 {colour}\n3 0 1 2\n"
         )
     };
@@ -262,7 +262,10 @@ fn vertices_bring_colours() {
              <float name=\"scale\" value=\"{scale}\"/></texture></bsdf></shape>{SENSOR}"
         )
     };
-    let files = Memory::new().with("s/a.ply", ply("51 102 255", "uchar").as_str());
+    let files = Memory::new().with(
+        "s/a.ply",
+        ply("51 102 255", "uchar", ["red", "green", "blue"]).as_str(),
+    );
     let scene = with_files(&shape("kite", "0.00390625"), files, &[]);
     let texture = &scene.textures[scene.materials[0].bsdf.textures()[0]];
     assert_eq!(texture.layout, Layout::Vertices);
@@ -273,4 +276,10 @@ fn vertices_bring_colours() {
     assert_eq!(texture.key, "kite.vertex_color");
     let found = warpath::scene::parameters::find(&scene, "kite.bsdf.reflectance");
     assert_eq!(found.expect("colours").shape, [3, 3]);
+
+    let numbered = ply("0.25 0.5 1", "float", ["color_0", "color_1", "color_2"]);
+    let files = Memory::new().with("s/a.ply", numbered.as_str());
+    let scene = with_files(&shape("kite", "1"), files, &[]);
+    let texture = &scene.textures[scene.materials[0].bsdf.textures()[0]];
+    assert_eq!(texture.texels, [[0.25, 0.5, 1.0]; 3]);
 }
