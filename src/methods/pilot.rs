@@ -85,7 +85,8 @@ impl Prepared<'_> {
     ) -> Result<(Contender, Pilot), EngineError> {
         // Whole images are compared by one process.
         let has_differences = forward && settings.groups().only.is_none();
-        let settings = of_pilot(self, settings)?;
+        let sensor = &self.scene.sensors[settings.sensor];
+        let settings = of_pilot(self, &settings.through_lens(sensor, true))?;
         let mut trials = Trials {
             prepared: self,
             settings: &settings,
@@ -266,7 +267,7 @@ impl Trials<'_> {
             way: tried.way.name(),
             variance: tried.variance,
             work: tried.work(),
-            efficiency: usual / tried.cost(),
+            efficiency: Some(usual / tried.cost()).filter(|by| by.is_finite()),
         });
         Pilot {
             trials: trials.collect(),

@@ -52,8 +52,9 @@ pub struct Trial {
     pub variance: f64,
     /// About its time, in microseconds of one processor, by its rays.
     pub work: f64,
-    /// One over variance and work, by that of the usual way.
-    pub efficiency: f64,
+    /// One over variance and work, by that of the usual way, if both have noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
 }
 
 impl Pilot {
@@ -71,10 +72,15 @@ impl Pilot {
         let tried = self.trials.iter().find(|trial| trial.way == *chosen);
         match (&self.because, tried) {
             (Some(because), _) => format!("auto: {chosen}, because {because}"),
-            (None, Some(tried)) if self.trials[0].way != *chosen => format!(
-                "auto: {chosen}, {:.1} times as efficient in a pilot as {}",
-                tried.efficiency, self.trials[0].way
-            ),
+            (None, Some(tried)) if self.trials[0].way != *chosen => {
+                let usual = &self.trials[0].way;
+                match tried.efficiency {
+                    Some(by) => {
+                        format!("auto: {chosen}, {by:.1} times as efficient in a pilot as {usual}")
+                    }
+                    None => format!("auto: {chosen}, without noise in a pilot, unlike {usual}"),
+                }
+            }
             _ => format!("auto: {chosen}, as usual"),
         }
     }
@@ -82,9 +88,13 @@ impl Pilot {
     /// All that was tried, a line each.
     pub fn explanation(&self) -> Vec<String> {
         let line = |trial: &Trial| {
+            let efficiency = trial.efficiency.map(|by| format!(", efficiency {by:.3}"));
             format!(
-                "auto tried {}: variance {:.3e}, work {:.3e}, efficiency {:.3}",
-                trial.way, trial.variance, trial.work, trial.efficiency
+                "auto tried {}: variance {:.3e}, work {:.3e}{}",
+                trial.way,
+                trial.variance,
+                trial.work,
+                efficiency.unwrap_or_default()
             )
         };
         self.trials.iter().map(line).collect()
