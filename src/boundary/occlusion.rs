@@ -7,8 +7,9 @@ use crate::discontinuity::crossing::{Crossing, Reservoir};
 use crate::discontinuity::walk::{Walk, walk};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
+use crate::paths::leaving::OFFSET;
 use crate::paths::light::lamp::Lamp;
-use crate::paths::rays::{OFFSET, lane_of};
+use crate::paths::rays::lane_of;
 use crate::paths::scene_view::SceneView;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
@@ -42,13 +43,12 @@ pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: D
         let distance = clear_of(geometry, &crossing.boundary, point);
         [distance / point.distance(origin), MOST_PROBE]
     } else {
-        [nearest_angle(point, origin), PROBE]
+        [nearest_angle(geometry, point, origin), PROBE]
     }
 }
 
 /// How far from a point of a tight boundary what starts there is clear of what lies beyond it.
 pub fn clear_of(geometry: &Geometry, boundary: &Boundary, point: DVec3) -> f64 {
-    let room = point.abs().max_element() + 1.0;
     let sine = match boundary {
         Boundary::Crease(triangles) => {
             let at = |v: u32| geometry.positions[v as usize].as_dvec3();
@@ -60,15 +60,14 @@ pub fn clear_of(geometry: &Geometry, boundary: &Boundary, point: DVec3) -> f64 {
         }
         _ => 1.0,
     };
-    CLEAR * f64::from(OFFSET) * room / sine
+    CLEAR * f64::from(OFFSET) * geometry.room(point) / sine
 }
 
 /// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart
 /// that end near `point`.
-pub fn nearest_angle(point: DVec3, origin: DVec3) -> f64 {
+pub fn nearest_angle(geometry: &Geometry, point: DVec3, origin: DVec3) -> f64 {
     let distance = point.distance(origin);
-    let room = point.abs().max_element() + 1.0;
-    NEAREST * (room + distance) / distance
+    NEAREST * (geometry.room(point) + distance) / distance
 }
 
 /// A point of a surface from which rays leave.
@@ -78,6 +77,8 @@ pub struct SurfacePoint {
     pub geometric: Vec3,
     /// The triangle it lies on.
     pub triangle: u32,
+    /// How far off the surface rays start.
+    pub clearance: f32,
 }
 
 /// Where an occluder ends.
@@ -91,14 +92,22 @@ pub struct OccluderEnd {
 }
 
 impl SurfacePoint {
+    pub fn new(geometry: &Geometry, x: Vec3, geometric: Vec3, triangle: u32) -> Self {
+        let clearance = OFFSET * geometry.room(x.as_dvec3()) as f32;
+        Self {
+            x,
+            geometric,
+            triangle,
+            clearance,
+        }
+    }
+
     pub fn of_lane(at: &At, lane: usize) -> Self {
         let geometric = lane_of(at.surface.geometric, lane);
         let direction = lane_of(at.vertices.direction, lane);
-        Self {
-            x: lane_of(at.surface.x, lane),
-            geometric: geometric * -geometric.dot(direction).signum(),
-            triangle: at.vertices.triangle[lane],
-        }
+        let x = lane_of(at.surface.x, lane);
+        let seen = geometric * -geometric.dot(direction).signum();
+        Self::new(at.view.geometry, x, seen, at.vertices.triangle[lane])
     }
 
     /// The edge of its own triangle that spans the plane with it best.
@@ -119,8 +128,7 @@ impl SurfacePoint {
     /// there too, or the ends of what is near would seem to lie elsewhere.
     pub fn leave(&self, d: DVec3) -> Vec3 {
         let side = d.as_vec3().dot(self.geometric).signum();
-        let step = (self.x.abs().max_element() + 1.0) * OFFSET * side;
-        self.x + self.geometric * step
+        self.x + self.geometric * (self.clearance * side)
     }
 
     /// From where rays start that leave for the point `y`, to there. `leave` starts on the same side:

@@ -41,6 +41,9 @@ pub enum Boundary {
         triangle: [u32; 3],
         ends: [[f64; 2]; 2],
     },
+    /// A plane of fixed direction, by its normal, through what rays go to: the border of the picture
+    /// of a projector, seen from where that falls.
+    Plane(DVec3),
 }
 
 impl Boundary {
@@ -64,6 +67,7 @@ impl Boundary {
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
                 p.cross(q)
             }
+            Boundary::Plane(normal) => normal,
         }
     }
 
@@ -128,6 +132,7 @@ impl Boundary {
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * F::splat(s) + (c - a) * F::splat(t));
                 edge_side(o, d, p, q)
             }
+            Boundary::Plane(n) => V3::new(F::splat(n.x), F::splat(n.y), F::splat(n.z)).dot(d),
         }
     }
 
@@ -189,6 +194,7 @@ impl Boundary {
                 }
                 (dvec3(o_bar), dvec3(d_bar))
             }
+            Boundary::Plane(normal) => (DVec3::ZERO, normal * side_bar),
         }
     }
 }

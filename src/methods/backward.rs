@@ -20,6 +20,7 @@ use crate::gradient::terms::Terms;
 use crate::lanes::{LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
 use crate::paths::counts::Counts;
+use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::{Block, Taps, gather_point, gather_row};
 use crate::paths::film::tile::TracedTile;
 use crate::paths::integrator::Integrator;
@@ -57,6 +58,7 @@ pub fn backward(
         .method
         .boundary()
         .filter(|_| request.moves_edges(scene));
+    let settings = &settings.through_lens(sensor, request.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(request);
     stage.check_geometry(settings.method)?;
@@ -138,6 +140,15 @@ fn sweep_tiles(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
+            let view = stage.view_of_tile(group, index);
+            let integrator = Integrator {
+                view: &view,
+                ..integrator
+            };
+            let sweep = BackwardSweep {
+                view: &view,
+                ..sweep
+            };
             let traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
             let start = clock.add_tracing(start);
             let mut block = Block::new(&stage.filter, &traced.tile);
@@ -159,22 +170,35 @@ fn sweep_tiles(
         },
     )?;
     if let Some(drift) = &drift {
-        let mut tile_sums = TileSums::new(scene, geometry, wanted);
-        for sums in &mut swept.sums {
-            for (node, bar) in std::mem::take(&mut sums.drift) {
-                for followed in &drift.followed[node] {
-                    let bar = bar.map(|b| b * followed.share);
-                    sweep.add_followed(followed, bar, &mut tile_sums);
-                }
-            }
-            let gradient = tile_sums.take();
-            counts.gradient_not_finite += gradient.not_finite;
-            sums.add(&gradient);
-        }
+        let scratch = TileSums::new(scene, geometry, wanted);
+        counts.gradient_not_finite += add_drift(&sweep, drift, &mut swept.sums, scratch);
     }
     statistics.add_counts(&counts);
     clock.stop(statistics);
     Ok(swept)
+}
+
+/// Hands what the groups have collected at the drift's nodes to the points that these follow.
+/// Returns how much of it was not finite.
+fn add_drift(
+    sweep: &BackwardSweep,
+    drift: &Drift,
+    groups: &mut [FilmSums],
+    mut scratch: TileSums,
+) -> u64 {
+    let mut not_finite = 0;
+    for sums in groups {
+        for (node, bar) in std::mem::take(&mut sums.drift) {
+            for followed in &drift.followed[node] {
+                let bar = bar.map(|b| b * followed.share);
+                sweep.add_followed(followed, bar, &mut scratch);
+            }
+        }
+        let gradient = scratch.take();
+        not_finite += gradient.not_finite;
+        sums.add(&gradient);
+    }
+    not_finite
 }
 
 /// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep

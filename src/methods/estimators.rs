@@ -90,7 +90,9 @@ pub enum Discontinuity {
     SoftShadow,
     /// Shadows of delta lights.
     SharpShadow,
-    /// Where the picture of a projector or the beam of a spot ends.
+    /// Where the picture of a projector ends.
+    PictureBorder,
+    /// Where the beam of a spot ends at once, or a picture in a beam jumps.
     BeamEdge,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,
@@ -99,17 +101,14 @@ pub enum Discontinuity {
     /// What is seen in or behind a perfectly smooth surface, a null one or a mask that is part of a
     /// mixture, or whose normals a picture turns.
     BehindMixture,
-    /// Shadows of delta lights that are seen in perfectly smooth surfaces, or behind what does
-    /// nothing to light.
-    MirroredShadow,
-    /// Shadows of delta lights on surfaces that are made of several materials.
-    SharpShadowOnBlend,
     /// What is seen in rough glass, in materials of several layers, and in brushed ones.
     InLayers,
     /// Lines in which surfaces pass through one another.
     Intersection,
     /// Where a texture jumps.
     TextureEdge,
+    /// What is seen through a lens with an aperture.
+    ThroughLens,
 }
 
 /// How a gradient is computed.
@@ -130,8 +129,10 @@ const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
     Discontinuity::Intersection,
     Discontinuity::TextureEdge,
     Discontinuity::SharpShadow,
+    Discontinuity::PictureBorder,
     Discontinuity::Mirrored,
     Discontinuity::BehindNull,
+    Discontinuity::ThroughLens,
 ]);
 
 /// All methods, the usual one first.
@@ -155,6 +156,7 @@ pub const ESTIMATORS: [Estimator; 7] = [
             Discontinuity::Silhouette,
             Discontinuity::SoftShadow,
             Discontinuity::InLayers,
+            Discontinuity::ThroughLens,
         ]),
         way: Way::Paths,
         boundary: Some(|adjacency, moving, _| Box::new(Edges::new(adjacency, moving))),

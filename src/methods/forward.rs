@@ -41,6 +41,7 @@ pub fn forward(
     let sensor = &scene.sensors[settings.sensor];
     refusals::check(scene, tangent, sensor, settings.method)?;
     let boundary = boundary.filter(|_| tangent.moves_edges(scene));
+    let settings = &settings.through_lens(sensor, tangent.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(tangent);
     stage.check_geometry(settings.method)?;
@@ -71,6 +72,12 @@ pub fn forward(
             let tile = stage.lattice.tile(index, group, stage.seed);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
+            let view = stage.view_of_tile(group, index);
+            let integrator = Integrator {
+                view: &view,
+                ..integrator
+            };
+            let sweep = ForwardSweep::new(&view, &motion);
             let mut traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
             let start = clock.add_tracing(start);
             let mut image = Block::new(&stage.filter, &traced.tile);

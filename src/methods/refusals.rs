@@ -36,7 +36,7 @@ pub fn check(
     let moves = request.moves_geometry() || request.refraction_moves(scene) || light_moves;
     if moves && misses(Discontinuity::BeamEdge) {
         for light in &scene.delta_lights {
-            if let Some(what) = beam_edge(scene, light) {
+            if let Some(what) = beam_edge(scene, light, misses(Discontinuity::PictureBorder)) {
                 return refuse(what);
             }
         }
@@ -44,7 +44,7 @@ pub fn check(
     if !moves {
         return Ok(());
     }
-    if let Some(what) = behind_a_lens(sensor) {
+    if let Some(what) = behind_a_lens(sensor, misses(Discontinuity::ThroughLens)) {
         return refuse(what);
     }
     let used = scene.meshes.iter().flat_map(|m| scene.parts_of(m.material));
@@ -54,15 +54,6 @@ pub fn check(
         let is_null = material.bsdf == Bsdf::Null;
         let is_mask = !is_null && scene.passes_straight_on(m);
         let is_smooth = !is_null && material.bsdf.is_smooth();
-        if matches!(material.bsdf, Bsdf::Blend { .. } | Bsdf::Mask { .. })
-            && !scene.delta_lights.is_empty()
-            && misses(Discontinuity::SharpShadowOnBlend)
-        {
-            return refuse(format!(
-                "{key}: the sharp shadows of point and directional lights are not followed on a mask or a blend, so \
-                 gradients by what moves would be wrong; use small area lights, or one bsdf"
-            ));
-        }
         if (is_null || is_mask) && misses(Discontinuity::BehindNull) {
             return refuse(format!(
                 "{key}: behind a null surface or a mask edges are not found, so gradients by what moves would be wrong; \
@@ -96,16 +87,6 @@ pub fn check(
             return refuse(format!(
                 "{key}: edges behind a mask that is part of a blend or of another mask are not found, so gradients by what \
                  moves would be wrong; put the mask around all of it"
-            ));
-        }
-        if (is_smooth || is_null)
-            && misses(Discontinuity::MirroredShadow)
-            && let Some(light) = scene.delta_lights.first()
-        {
-            return refuse(format!(
-                "{key}: the sharp shadows of {} that are seen in perfectly smooth surfaces or behind null ones are not \
-                 found, so gradients by what moves would be wrong; use a small area light, or a rough variant",
-                light.key
             ));
         }
     }
@@ -166,10 +147,11 @@ fn is_layered(bsdf: &Bsdf) -> bool {
     }
 }
 
-/// Why edges that a camera sees are not found.
-fn behind_a_lens(sensor: &Sensor) -> Option<String> {
+/// Why edges that a camera sees are not found, if those through a lens with an aperture are not.
+fn behind_a_lens(sensor: &Sensor, misses_lens: bool) -> Option<String> {
     let kind = match sensor.lens {
         Lens::Pinhole => return None,
+        Lens::Thin { .. } if !misses_lens => return None,
         Lens::Thin { .. } => "through a lens with an aperture",
         Lens::Parallel { .. } => "by a parallel projection",
     };
@@ -180,14 +162,19 @@ fn behind_a_lens(sensor: &Sensor) -> Option<String> {
 }
 
 /// Why the light of a beam has an edge on what it falls on, which nobody looks for.
-fn beam_edge(scene: &Scene, light: &DeltaLight) -> Option<String> {
+fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<String> {
     let jumps = |t: usize| match scene.textures[t].layout {
         Layout::Constant | Layout::Vertices => false,
         Layout::Checkerboard { .. } => true,
         Layout::Bitmap { bilinear, .. } => !bilinear,
     };
     let why = match light.beam?.profile {
-        BeamProfile::Projector { .. } => "what a projector shows ends at the picture's border",
+        BeamProfile::Projector { .. } if misses_border => {
+            "what a projector shows ends at the picture's border"
+        }
+        BeamProfile::Projector { .. } if jumps(light.power) => {
+            "its picture jumps; take a bitmap with a bilinear filter"
+        }
         BeamProfile::Spot {
             beam_width_rad,
             cutoff_rad,
@@ -199,7 +186,7 @@ fn beam_edge(scene: &Scene, light: &DeltaLight) -> Option<String> {
             texture: Some(texture),
             ..
         } if jumps(texture) => "its texture jumps; take a bitmap with a bilinear filter",
-        BeamProfile::Spot { .. } => return None,
+        BeamProfile::Spot { .. } | BeamProfile::Projector { .. } => return None,
     };
     Some(format!(
         "{}: {why}, and the motion of such edges is not followed, so gradients by what moves would be wrong",

@@ -1,8 +1,15 @@
 //! What to render with.
 
 use super::estimators::{Constants, Method};
-use super::groups::group_count;
+use super::groups::{equal_groups, group_count};
+use crate::scene::{Lens, Sensor};
 use crate::trace::Backend;
+
+/// Samples of a group, and groups, behind the gradient of what moves before a lens with an extent.
+/// Groups are the points of the lens that each tile looks through; but each keeps sums for all
+/// parameters.
+const LENS_SAMPLES: u32 = 4;
+const LENS_GROUPS: [u32; 2] = [16, 64];
 
 /// What to render with, the scene's own settings already filled in.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +54,21 @@ impl Settings {
     /// Whether it is still open what `auto` does.
     pub fn needs_pilot(&self) -> bool {
         self.method.asks_a_pilot() && self.constants.mixture.is_none()
+    }
+
+    /// Those of a gradient of what moves: where the lens has an extent each tile of each group looks
+    /// through one point of it, so there are more groups, unless someone else has parted the samples.
+    pub fn through_lens(&self, sensor: &Sensor, moves: bool) -> Self {
+        let mut settings = self.clone();
+        if moves && settings.groups.is_none() && matches!(sensor.lens, Lens::Thin { .. }) {
+            let [least, most] = LENS_GROUPS;
+            let wanted = (self.spp / LENS_SAMPLES).clamp(least, most);
+            settings.groups = Some(Groups {
+                count: equal_groups(self.spp, wanted),
+                only: None,
+            });
+        }
+        settings
     }
 
     /// The groups asked for, or those that standard errors need.

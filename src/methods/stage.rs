@@ -13,6 +13,7 @@ use super::settings::{Groups, Settings};
 use super::statistics::Statistics;
 use super::workers::Workers;
 use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::dimensions::Single;
 use crate::paths::estimator::{BoundaryEstimator, Interior, WholeFilm};
 use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
@@ -20,6 +21,7 @@ use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::Lattice;
 use crate::paths::light::patches::Lights;
 use crate::paths::moving::Moving;
+use crate::paths::random::Stream;
 use crate::paths::scene_view::{PathLimits, SceneView};
 use crate::picture::Image;
 use crate::room::NoRoom;
@@ -38,6 +40,8 @@ pub struct Stage<'a> {
     pub parts: Parts,
     boundary: Option<MakeBoundary>,
     moving: Moving,
+    /// Whether each tile looks through one point of the lens.
+    has_tile_lenses: bool,
     constants: Constants,
     pub camera: Camera,
     pub lattice: Lattice,
@@ -95,6 +99,7 @@ impl<'a> Stage<'a> {
             parts,
             boundary,
             moving: Moving::default(),
+            has_tile_lenses: false,
             constants: settings.constants,
             camera: Camera::new(&sensor),
             lattice,
@@ -117,6 +122,7 @@ impl<'a> Stage<'a> {
     /// Sees to it that what is asked about is looked for where it moves, and sampled where it is
     /// black now.
     pub fn ask_about(&mut self, request: &SceneDifferential) {
+        self.has_tile_lenses = request.moves_edges(self.scene);
         self.moving = Moving::new(self.scene, &self.parts.geometry, request);
         self.limits.black_goes_on = refusals::asks_about_black(self.scene, request);
         if self
@@ -154,6 +160,18 @@ impl<'a> Stage<'a> {
             camera: self.camera,
             limits: self.limits,
         }
+    }
+
+    /// The same as the paths of a tile see it: if something moves, through one point of the lens. So
+    /// what is found between neighbours is found as with a pinhole.
+    pub fn view_of_tile(&self, group: u32, tile: usize) -> SceneView<'_> {
+        let mut view = self.view();
+        if self.has_tile_lenses {
+            let stream = Stream::new(self.seed, [group, tile as u32]);
+            let number = |axis| stream.single(Single::TileLensPoint, [axis, 0, 0]);
+            view.camera = view.camera.through([number(0), number(1)]);
+        }
+        view
     }
 
     /// What finds the boundary terms that are asked for.

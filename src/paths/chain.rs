@@ -11,7 +11,7 @@ use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample}
 use crate::kernels::smooth::smooth_ray;
 use crate::lanes::{Real, V3};
 use crate::paths::chain_vertex::{Bend, ChainVertex};
-use crate::paths::rays::OFFSET;
+use crate::paths::leaving::OFFSET;
 use crate::paths::scene_view::SceneView;
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::Kinds;
@@ -250,7 +250,7 @@ impl<'a> Meeting<'a> {
 
     /// From where a ray starts that goes on along `direction`, as `rays::leave` has it.
     pub fn leave(&self, direction: DVec3) -> DVec3 {
-        let step = (self.x.abs().max_element() + 1.0) * f64::from(OFFSET);
+        let step = f64::from(OFFSET) * self.view.geometry.room(self.x);
         self.x + self.geometric * (step * self.geometric.dot(direction).signum())
     }
 

@@ -93,6 +93,8 @@ pub enum Single {
     LobeChain,
     /// Whether a sample's velocity is told by one batch of rays more: index, batch.
     Debias,
+    /// Where all camera rays of a tile leave the lens: axis.
+    TileLensPoint,
 }
 
 /// Streams of their own, with what tells several of them apart.

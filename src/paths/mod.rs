@@ -15,6 +15,7 @@ pub mod environment;
 pub mod estimator;
 pub mod film;
 pub mod integrator;
+pub mod leaving;
 pub mod light;
 pub mod moving;
 pub mod radiance;

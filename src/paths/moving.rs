@@ -121,6 +121,8 @@ impl Moving {
     /// Whether a boundary does.
     pub(crate) fn boundary(&self, geometry: &Geometry, boundary: &Boundary) -> bool {
         match *boundary {
+            // Its light knows.
+            Boundary::Plane(_) => false,
             Boundary::Edge([a, _]) | Boundary::Point { edge: [a, _], .. } => {
                 self.vertex(geometry, a)
             }

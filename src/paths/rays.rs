@@ -1,7 +1,7 @@
 //! Packets of rays, and one lane of a vector.
 
 use crate::lanes::{LANES, Lane, Real, V3};
-use crate::scene::{RAY_OFFSET, Rgb};
+use crate::scene::Rgb;
 use crate::trace::Rays;
 use glam::Vec3;
 
@@ -13,44 +13,6 @@ pub struct RayPacket {
     pub direction: V3<Lane>,
     pub near: f32,
     pub far: f32,
-}
-
-impl RayPacket {
-    /// The rays of `active` lanes that leave surfaces at `x` along `direction`, as far as they get.
-    pub fn leaving(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>, active: u32) -> Self {
-        Self {
-            active,
-            origin: leave(x, geometric, direction),
-            direction,
-            near: 0.0,
-            far: f32::INFINITY,
-        }
-    }
-
-    /// Those that leave toward the points `y`, and stop a little before them.
-    pub fn toward(x: V3<Lane>, geometric: V3<Lane>, y: V3<Lane>, active: u32) -> Self {
-        let origin = leave(x, geometric, y - x);
-        Self {
-            active,
-            origin,
-            direction: y - origin,
-            near: 0.0,
-            far: SHADOW_FAR,
-        }
-    }
-}
-
-/// Shadow rays stop a little before the light.
-pub const SHADOW_FAR: f32 = 1.0 - 1e-4;
-
-/// Distance from a surface at which rays leave it, per unit of the largest coordinate and one.
-pub const OFFSET: f32 = RAY_OFFSET;
-
-/// A point just off the surface, on the side that `direction` leaves to.
-pub fn leave(x: V3<Lane>, geometric: V3<Lane>, direction: V3<Lane>) -> V3<Lane> {
-    let size = x.x.abs().max(x.y.abs()).max(x.z.abs()) + Lane::splat(1.0);
-    let step = size * Lane::splat(OFFSET) * geometric.dot(direction).signum();
-    x + geometric * step
 }
 
 /// As Embree takes them.

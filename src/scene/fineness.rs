@@ -3,8 +3,8 @@
 
 use super::data::Mesh;
 
-/// Rays leave surfaces at this distance, per unit of the largest coordinate and one: some hundred
-/// units in the last place, what rounding can have moved the hit by.
+/// Rays leave surfaces at this distance, per unit of the largest coordinate and `unit`: some
+/// hundred units in the last place, what rounding can have moved the hit by.
 pub const RAY_OFFSET: f32 = 2e-5;
 
 /// Of a mesh's extent, what rays may leave it by: what is nearer to its outline than that is wrong.
@@ -12,7 +12,10 @@ const MOST: f32 = 0.01;
 
 /// What to say of meshes that rays leave by too much; `None` if there are none.
 pub(super) fn warning(meshes: &[Mesh]) -> Option<String> {
-    let parts = meshes.iter().filter_map(|mesh| Some((part(mesh)?, mesh)));
+    let unit = unit(meshes);
+    let parts = meshes
+        .iter()
+        .filter_map(|mesh| Some((part(mesh, unit)?, mesh)));
     let too_fine: Vec<_> = parts.filter(|(part, _)| *part > MOST).collect();
     let (part, worst) = too_fine.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let others = match too_fine.len() {
@@ -20,20 +23,28 @@ pub(super) fn warning(meshes: &[Mesh]) -> Option<String> {
         n => format!(" and {} more", n - 1),
     };
     Some(format!(
-        "{}{others}: rays leave surfaces by {RAY_OFFSET:e} of the largest coordinate and one, which is {:.2} of its size: \
-         light leaks there, and edges are off; give the scene in larger numbers, or nearer to the origin",
+        "{}{others}: rays leave surfaces by {RAY_OFFSET:e} of the coordinates' size, which is {:.2} of its own: \
+         light leaks there, and edges are off; put what is small nearer to the origin",
         worst.id, part
     ))
 }
 
 /// The distance at which rays leave a mesh over its extent; `None` if it has none.
-fn part(mesh: &Mesh) -> Option<f32> {
+fn part(mesh: &Mesh, unit: f32) -> Option<f32> {
     let positions = || mesh.positions.iter().copied();
     let low = positions().reduce(|a, b| a.min(b))?;
     let high = positions().reduce(|a, b| a.max(b))?;
     let extent = low.distance(high);
     let farthest = low.abs().max(high.abs()).max_element();
-    (extent > 0.0).then(|| RAY_OFFSET * (1.0 + farthest) / extent)
+    (extent > 0.0).then(|| RAY_OFFSET * (unit + farthest) / extent)
+}
+
+/// What rays leave surfaces by besides what their own coordinates ask for, over `RAY_OFFSET`: a part
+/// of the largest coordinate of all, for large triangles have small coordinates too. At most one.
+pub fn unit(meshes: &[Mesh]) -> f32 {
+    let positions = meshes.iter().flat_map(|mesh| &mesh.positions);
+    let farthest = positions.map(|p| p.abs().max_element());
+    farthest.fold(0.0, f32::max).min(1.0)
 }
 
 #[cfg(test)]

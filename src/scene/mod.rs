@@ -31,6 +31,6 @@ mod xml;
 pub use data::*;
 pub use differential::{CameraDifferential, EnvironmentDifferential, SceneDifferential};
 pub use error::{Place, SceneError};
-pub use fineness::RAY_OFFSET;
+pub use fineness::{RAY_OFFSET, unit};
 pub use load::{load, load_from, load_to_list};
 pub use vertex_normals::vertex_normals;

@@ -4,7 +4,7 @@
 use super::pattern::Pattern;
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Scene;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::slice::ParallelSliceMut;
 
 /// No triangle: the ray hit nothing.
@@ -29,6 +29,9 @@ pub struct Geometry {
     pub smooth: Vec<bool>,
     /// The pictures on each mesh that has any.
     pub patterns: Vec<Option<Pattern>>,
+    /// What rounding is told by besides a point's own coordinates: the largest coordinate of all, at
+    /// most one.
+    pub unit: f32,
 }
 
 impl Geometry {
@@ -50,6 +53,7 @@ impl Geometry {
             uvs: Vec::new(),
             smooth,
             patterns: scene.meshes.iter().map(|m| Pattern::of(scene, m)).collect(),
+            unit: crate::scene::unit(&scene.meshes),
         };
         for (index, mesh) in scene.meshes.iter().enumerate() {
             let base = g.positions.len() as u32;
@@ -71,6 +75,11 @@ impl Geometry {
             g.first_triangle.push(g.triangles.len() as u32);
         }
         g
+    }
+
+    /// What rounding grows with at a point: a length, of which single precision is 6e-8.
+    pub fn room(&self, point: DVec3) -> f64 {
+        point.abs().max_element() + f64::from(self.unit)
     }
 
     /// For each vertex of a mesh the first one at its position.

@@ -23,7 +23,7 @@ use crate::paths::counts::Counts;
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::film::camera::Camera;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of};
+use crate::paths::rays::{from_lanes, lane_mask, lane_of};
 use crate::paths::surface::world_bounce::log_kept_above_by_cos;
 use crate::paths::warp::follow::Follow;
 use crate::paths::warp::kernel::{LobeKernel, Use, around, auxiliary, kernel_numbers};
@@ -222,7 +222,7 @@ impl Warp for Loubet<'_> {
                 ..*at
             };
             let y = other.light_points();
-            let rays = RayPacket::toward(at.surface.x, at.surface.geometric, y, seen);
+            let rays = at.view.toward(at.surface.x, at.surface.geometric, y, seen);
             let hits = PacketHits::trace(at.view, &rays, counts);
             for lane in lanes(seen) {
                 hiding[lane].extend(hits.lane(lane));
@@ -306,7 +306,9 @@ impl Loubet<'_> {
         if hidden == 0 || !self.options.pairs {
             return vec![None; LANES];
         }
-        let rays = RayPacket::leaving(at.surface.x, at.surface.geometric, direction, hidden);
+        let rays = at
+            .view
+            .leaving(at.surface.x, at.surface.geometric, direction, hidden);
         let hits = PacketHits::trace(at.view, &rays, counts);
         (0..LANES).map(|lane| hits.lane(lane)).collect()
     }
@@ -329,7 +331,7 @@ impl Loubet<'_> {
         for ray in 1..self.options.lobe_rays {
             let others = bundle.directions(at, &stream, ray);
             let (x, geometric) = (at.surface.x, at.surface.geometric);
-            let rays = RayPacket::leaving(x, geometric, others, active);
+            let rays = at.view.leaving(x, geometric, others, active);
             let hits = PacketHits::trace(at.view, &rays, counts);
             for lane in lanes(active) {
                 met[lane].push(hits.lane(lane));

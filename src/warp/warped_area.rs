@@ -23,7 +23,7 @@ use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::warp::follow::Follow;
 use crate::paths::warp::kernel::{LobeKernel, Use, around, auxiliary};
@@ -227,7 +227,7 @@ impl WarpedArea<'_> {
             let wanted = wanted.fold(0, |bits, l| bits | 1 << l);
             let towards_packed = from_lanes(&towards.map(|d| d.as_vec3()));
             let (x, geometric) = (at.surface.x, at.surface.geometric);
-            let rays = RayPacket::leaving(x, geometric, towards_packed, wanted);
+            let rays = at.view.leaving(x, geometric, towards_packed, wanted);
             let hits = PacketHits::trace(at.view, &rays, counts);
             for lane in lanes(wanted) {
                 let axis = unit(direction, lane);

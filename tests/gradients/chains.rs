@@ -94,6 +94,18 @@ fn an_edge_in_a_curved_mirror() {
     checked(&scene, 256, "ball.translation", &MOVED, 0.01);
 }
 
+/// Facets smaller than the distance between samples: each is found with its neighbours.
+#[test]
+fn an_edge_in_very_small_facets() {
+    let mut scene = ball_before_a_plate().depth(2);
+    scene.meshes.retain(|m| m.id != "ball");
+    let facets = ball(5, Vec3::ZERO, 0.5);
+    let scene = scene.solid("facets", facets, [0.5; 3]).mirror("facets");
+    // In a facet this small the world is seen through a keyhole.
+    let parts = [("near.translation", MOVED.as_slice())];
+    check_to(0.1, &scene, &parts, 64, Some(0.003), Fails);
+}
+
 #[test]
 fn an_edge_behind_a_lens() {
     let scene = ball_before_a_plate().depth(4).clear("ball");

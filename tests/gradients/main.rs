@@ -19,13 +19,16 @@ mod finite_differences_materials;
 mod finite_differences_pictures;
 mod hidden_edges;
 mod last_vertex;
+mod lens;
 #[cfg(feature = "long-tests")]
 mod long;
 mod mixtures;
 mod needs;
+mod projectors;
 mod refusals;
 mod second_estimator;
 mod see_through;
+mod sharp_shadows_seen;
 mod standard_errors;
 mod transposition;
 mod transposition_ends;

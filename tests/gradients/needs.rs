@@ -5,7 +5,7 @@ use common::scenes::*;
 use common::shapes::{Random, soup};
 use common::transposition::rounding;
 use common::{Quiet, direction, flat, settings};
-use glam::vec3;
+use glam::{Vec3, vec3};
 use std::collections::BTreeMap;
 use warpath::methods::{Image, Method, Objective, Statistics, backward, forward, render};
 use warpath::scene::Distribution::Ggx;
@@ -324,4 +324,30 @@ fn both_modes_trace_the_same_rays() {
         let (_, backward) = backward_rays(&scene, "block.translation");
         assert_eq!(forward, backward);
     }
+}
+
+/// Every bounce between mirrors of many facets cuts lines into more parts. What a bounce costs in
+/// looking for edges does not grow with the number of parts.
+#[test]
+fn mirrors_that_face_each_other_are_followed_on_few_parts() {
+    let plate = parallelogram(vec3(0.3, 0.1, 0.2), Vec3::X * 0.3, Vec3::Z * 0.3);
+    let hall = scene(vec3(0.3, -0.6, 0.2), Vec3::ZERO, 50.0, [8; 2], GAUSSIAN)
+        .smooth("hall", ball(4, Vec3::ZERO, 1.0), [0.5; 3])
+        .smooth("ball", ball(4, vec3(0.0, 0.2, 0.0), 0.2), [0.5; 3])
+        .solid("plate", plate, [0.5; 3])
+        .light("lamp", ball(1, vec3(-0.5, 0.0, 0.4), 0.05), [20.0; 3])
+        .mirror("hall")
+        .mirror("ball");
+    let probes_per_bounce = |depth| {
+        let parts: [(&str, &[f32]); 1] = [("plate.translation", &[1.0, 0.0, 0.0])];
+        let (_, rays) = forward_rays(&hall.clone().depth(depth), &parts, Method::Reparam);
+        count(&rays, "probe") as f64 / count(&rays, "bounce") as f64
+    };
+    let [few, many] = [probes_per_bounce(6), probes_per_bounce(24)];
+    println!("{few:.1} and {many:.1} rays a bounce");
+    assert!(few > 1.0, "mirrors are looked into");
+    assert!(
+        many < 4.0 * few,
+        "{many:.1} rays a bounce look for edges, {few:.1} do at a fourth of the depth"
+    );
 }

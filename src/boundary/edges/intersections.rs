@@ -55,7 +55,7 @@ fn crossed(view: &SceneView, triangle: u32, corner: usize) -> Option<u32> {
         let [p, q, r] = corners.map(Vec3::as_dvec3);
         let normal = (q - p).cross(r - p).normalize_or_zero();
         let [from, to] = [a, b].map(|end| normal.dot(end - p));
-        let room = a.abs().max(b.abs()).max_element() + 1.0;
+        let room = geometry.room(a.abs().max(b.abs()));
         let in_plane = from.abs().max(to.abs()) < IN_PLANE * room;
         let is_neighbour = ends.iter().any(|end| corners.contains(end));
         let at = from / (from - to);

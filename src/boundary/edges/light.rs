@@ -12,7 +12,7 @@ use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::LightDraw;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
@@ -59,7 +59,7 @@ pub fn find(edges: &Edges, at: &At, draw: &LightDraw, out: &mut Found) {
         return;
     }
     let toward = from_lanes(&directions);
-    let rays = RayPacket::leaving(surface.x, surface.geometric, toward, active);
+    let rays = view.leaving(surface.x, surface.geometric, toward, active);
     out.counts.light_cell += u64::from(active.count_ones());
     let seen = view.intersect(&rays, Coherence::Incoherent);
     for (lane, point) in points.iter().enumerate() {
@@ -150,7 +150,7 @@ pub fn find_before_map(edges: &Edges, at: &At, out: &mut Found) {
         return;
     }
     let toward = from_lanes(&directions);
-    let rays = RayPacket::leaving(surface.x, surface.geometric, toward, active);
+    let rays = view.leaving(surface.x, surface.geometric, toward, active);
     let free = view.unoccluded(&rays, &mut out.counts.environment_cell);
     for (lane, point) in points.iter().enumerate() {
         if let (Some(point), true) = (point, free >> lane & 1 == 1) {

@@ -14,7 +14,7 @@ use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN}
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::integrator::Start;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 
 /// Finds what jumps over the lobes that paths were drawn from.
 pub fn find(edges: &Edges, scene: &SearchScene, at: &At, out: &mut Found) {
@@ -114,7 +114,7 @@ fn look(
     };
     let (surface, depth) = (at.surface, at.numbers.depth);
     let start = Start {
-        rays: RayPacket::leaving(
+        rays: at.view.leaving(
             surface.x,
             surface.geometric,
             from_lanes(&directions),

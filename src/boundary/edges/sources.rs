@@ -77,8 +77,12 @@ impl<'a> Edges<'a> {
         self.lights.get_or_init(|| LightsAround::new(view))
     }
 
-    /// The edges in a tile, which all groups of samples share.
+    /// The edges in a tile, which all groups of samples share unless each looks through a point of
+    /// the lens of its own.
     pub fn in_tile(&self, set: &EdgeSet, film: &FilmTile) -> Arc<TileEdges> {
+        if film.view.camera.lens_point != [0.0; 2] {
+            return Arc::new(TileEdges::new(set, film));
+        }
         let known =
             |tiles: &HashMap<[i32; 2], Arc<TileEdges>>| tiles.get(&film.tile.start).cloned();
         let lock = || self.tiles.lock().unwrap_or_else(|e| e.into_inner());

@@ -9,7 +9,7 @@ use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
-use crate::paths::rays::{RayPacket, from_lanes};
+use crate::paths::rays::from_lanes;
 use glam::Vec3;
 
 /// A point in each lane that sees one.
@@ -49,7 +49,7 @@ impl Edges<'_> {
             }
         }
         let surface = at.surface;
-        let rays = RayPacket::toward(surface.x, surface.geometric, from_lanes(&ends), active);
+        let rays = view.toward(surface.x, surface.geometric, from_lanes(&ends), active);
         let seen = view.unoccluded(&rays, &mut counts.probe);
         for (lane, point) in points.iter_mut().enumerate() {
             if seen >> lane & 1 == 0 {

@@ -72,6 +72,7 @@ impl ToFilm {
         let at = |u, v| DVec2::from(camera.film_to_camera::<f64>(u, v));
         let zero = at(0.0, 0.0);
         let scale = at(1.0, 1.0) - zero;
+        let zero = zero - DVec2::from(camera.focus_shift());
         let row = |axis: DVec3, i: usize| (axis / camera.tan_half_x_fov - z * zero[i]) / scale[i];
         Self {
             rows: [row(x, 0), row(y, 1), z],

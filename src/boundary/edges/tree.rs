@@ -339,6 +339,7 @@ mod tests {
             uvs: Vec::new(),
             smooth: vec![false],
             patterns: vec![None],
+            unit: 1.0,
         }
     }
 

@@ -283,11 +283,12 @@ impl BackwardSweep<'_> {
         }
         let camera = &self.view.camera;
         let (px, py) = camera.film_to_camera(u, v);
-        let [x, y, z] = camera.axes.map(|a| vector(a.as_dvec3()));
+        let axes = camera.film_axes(camera.axes);
+        let [x, y, z] = axes.map(|a| vector(a.as_dvec3()));
         let (x, y, z, tan, px_bar, py_bar) =
             camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
         if self.wanted.camera {
-            sums.add_camera(o_bar, [x, y, z].map(dvec3), tan);
+            sums.add_camera(camera, o_bar, [x, y, z].map(dvec3), tan);
         }
         camera.film_to_camera_adjoint([px_bar, py_bar])
     }

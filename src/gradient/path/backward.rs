@@ -128,7 +128,7 @@ impl BackwardSweep<'_> {
             let bits = path[0].hit | path[0].escaped;
             let camera = &self.view.camera;
             let (px, py) = camera.film_to_camera(u, v);
-            let [x, y, z] = camera.axes.map(splat);
+            let [x, y, z] = camera.film_axes(camera.axes).map(splat);
             let tan = Lane::splat(camera.tan_half_x_fov as f32);
             let (x, y, z, tan, px_bar, py_bar) =
                 camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
@@ -139,7 +139,7 @@ impl BackwardSweep<'_> {
             let origin = sums.over_lanes(chain.origin, bits);
             let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
             let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
-            sums.add_camera(origin, axes, tan);
+            sums.add_camera(camera, origin, axes, tan);
             return film_bars;
         }
         [Lane::splat(0.0); 2]

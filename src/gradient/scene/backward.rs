@@ -3,6 +3,7 @@
 use crate::gradient::scene::sparse::SparseVectors;
 use crate::gradient::terms::{Object, Terms, TileTerms};
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
 use crate::paths::rays::lane_of;
 use crate::paths::surface::texture::Lookup;
@@ -192,8 +193,15 @@ impl TileSums {
         }
     }
 
-    /// Adds to the camera's origin, axes and the tangent of half its opening angle.
-    pub fn add_camera(&mut self, origin: DVec3, axes: [DVec3; 3], tan_half_x_fov: f64) {
+    /// Adds to the camera's origin, the axes of its film and the tangent of half its opening angle.
+    pub fn add_camera(
+        &mut self,
+        camera: &Camera,
+        origin: DVec3,
+        film_axes: [DVec3; 3],
+        tan_half_x_fov: f64,
+    ) {
+        let axes = camera.axes_adjoint(origin, film_axes);
         self.camera.add(origin, axes, tan_half_x_fov);
         let all = origin + axes.iter().sum::<DVec3>() + DVec3::splat(tan_half_x_fov);
         self.terms.add(Object::Camera, all);
@@ -355,7 +363,7 @@ impl FilmSums {
         self,
         scene: &Scene,
         geometry: &Geometry,
-        camera: &crate::paths::film::camera::Camera,
+        camera: &Camera,
         request: &SceneDifferential,
     ) -> SceneDifferential {
         let mut gradient = request.clone();

@@ -195,12 +195,14 @@ impl Motion {
         let shift = motion.principal_point_offset;
         let mut axes = motion.axes;
         axes[2] += right * shift.x + down * shift.y;
+        let turns: [Vec3; 3] =
+            std::array::from_fn(|i| motion.rotation.cross(camera.axes[i]) + axes[i]);
+        let [x, y, _] = turns;
+        let axes = camera.film_axes(camera.axes);
+        let turns = camera.film_axes(turns);
         MovingCamera {
-            origin: dual(camera.origin, motion.translation),
-            axes: std::array::from_fn(|i| {
-                let axis = camera.axes[i];
-                dual(axis, motion.rotation.cross(axis) + axes[i])
-            }),
+            origin: dual(camera.origin, motion.translation + camera.on_lens([x, y])),
+            axes: std::array::from_fn(|i| dual(axes[i], turns[i])),
             tan_half_x_fov: Dual {
                 value: F::splat(tan),
                 tangent: F::splat(tan_velocity),

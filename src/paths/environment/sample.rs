@@ -7,7 +7,7 @@ use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Pair;
 use crate::paths::environment::distribution::MapDistribution;
-use crate::paths::rays::{RayPacket, from_lanes, lane_mask, lane_of, masked};
+use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{EnvironmentSample, Vertices};
 use crate::paths::surface::kinds::LightKind;
@@ -52,7 +52,7 @@ impl At<'_> {
         let zero = Lane::splat(0.0);
         let above = surface.n.dot(direction).gt(zero).to_bits();
         let active = view.lit_by_map(vertices) & above;
-        let rays = RayPacket::leaving(surface.x, surface.geometric, direction, active);
+        let rays = view.leaving(surface.x, surface.geometric, direction, active);
         let visible = view.unoccluded(&rays, &mut counts.shadow);
         let light = Lane::new(pdf);
         let cos = surface.n.dot(direction);

@@ -21,8 +21,13 @@ pub struct Camera {
     aspect: f64,
     pub near_clip: f32,
     pub far_clip: f32,
-    /// What of it is no pinhole is for images and what does not move: `methods::refusals`.
+    /// What of it is no pinhole is for images and what does not move; where something does, each
+    /// tile sees [`Camera::through`] one point of the lens.
     pub lens: Lens,
+    /// Where on a lens this pinhole lies, to the image's left and up from the middle of the lens.
+    pub lens_point: [f32; 2],
+    /// One over the distance of what is in focus, or zero.
+    per_focus: f32,
 }
 
 impl Camera {
@@ -47,7 +52,65 @@ impl Camera {
             near_clip: sensor.near_clip,
             far_clip: sensor.far_clip,
             lens: sensor.lens,
+            lens_point: [0.0; 2],
+            per_focus: 0.0,
         }
+    }
+
+    /// The pinhole at one point of the lens, for two numbers in [0, 1)²: it sees what is in focus
+    /// where the others do, so its film is shifted against it. Itself if the lens has no extent.
+    pub fn through(self, numbers: [f32; 2]) -> Self {
+        let Lens::Thin {
+            aperture_radius,
+            focus_distance,
+        } = self.lens
+        else {
+            return self;
+        };
+        let lens_point = on_lens(aperture_radius, numbers);
+        let [x, y, _] = self.axes;
+        Self {
+            origin: self.origin + x * lens_point[0] + y * lens_point[1],
+            lens: Lens::Pinhole,
+            lens_point,
+            per_focus: 1.0 / focus_distance,
+            ..self
+        }
+    }
+
+    /// What stands for the axes in [`camera_direction`]: through a point (a, b) of the lens the third
+    /// is z − (a x + b y)/f, with f the distance in focus.
+    pub fn film_axes<V>(&self, [x, y, z]: [V; 3]) -> [V; 3]
+    where
+        V: Copy
+            + std::ops::Mul<f32, Output = V>
+            + std::ops::Add<Output = V>
+            + std::ops::Sub<Output = V>,
+    {
+        [x, y, z - self.on_lens([x, y]) * self.per_focus]
+    }
+
+    /// Of vectors that belong to the axes to the left and up, what belongs to the point of the lens.
+    pub fn on_lens<V>(&self, [x, y]: [V; 2]) -> V
+    where
+        V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
+    {
+        let [a, b] = self.lens_point;
+        x * a + y * b
+    }
+
+    /// Cotangents of the axes from those of the origin and of [`Camera::film_axes`].
+    pub fn axes_adjoint(&self, origin: DVec3, [x, y, z]: [DVec3; 3]) -> [DVec3; 3] {
+        let both = origin - z * f64::from(self.per_focus);
+        let [a, b] = self.lens_point.map(f64::from);
+        [x + both * a, y + both * b, z]
+    }
+
+    /// How far a point on the axis of view is seen from the middle of the film, in the camera's
+    /// tangents.
+    pub fn focus_shift(&self) -> [f64; 2] {
+        let shift = f64::from(self.per_focus) / self.tan_half_x_fov;
+        self.lens_point.map(|at| f64::from(at) * shift)
     }
 
     /// The camera's tangents at a film point: what [`camera_direction`] takes.
@@ -64,7 +127,8 @@ impl Camera {
         let to = point - self.origin.as_dvec3();
         let [x, y, z] = self.axes.map(|a| to.dot(a.as_dvec3()));
         let tangents = [x, y].map(|t| t / (z * self.tan_half_x_fov));
-        [0, 1].map(|i| (tangents[i] - self.offset[i]) / self.scale)
+        let shift = self.focus_shift();
+        [0, 1].map(|i| (tangents[i] + shift[i] - self.offset[i]) / self.scale)
     }
 
     /// Cotangents of a film point from those of the camera's tangents.
@@ -75,7 +139,7 @@ impl Camera {
     /// Direction through the film point (`u`, `v`), in pixels of the crop window.
     pub fn direction<F: Real>(&self, u: F, v: F) -> V3<F> {
         let (px, py) = self.film_to_camera(u, v);
-        let [x, y, z] = self.axes.map(splat);
+        let [x, y, z] = self.film_axes(self.axes).map(splat);
         camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
     }
 
@@ -97,10 +161,8 @@ impl Camera {
                 focus_distance,
             } => {
                 let points: [Vec3; LANES] = std::array::from_fn(|lane| {
-                    let [r, turn] = lens_point(lane);
-                    let (sin, cos) = (TAU * turn).sin_cos();
-                    let radius = aperture_radius * r.sqrt();
-                    self.axes[0] * (radius * cos) + self.axes[1] * (radius * sin)
+                    let [a, b] = on_lens(aperture_radius, lens_point(lane));
+                    self.axes[0] * a + self.axes[1] * b
                 });
                 let beside = from_lanes(&points);
                 rays.origin = rays.origin + beside;
@@ -143,4 +205,11 @@ impl Camera {
             self.axes[1].as_dvec3() * step,
         ]
     }
+}
+
+/// A point of a lens, uniform over it.
+fn on_lens(aperture_radius: f32, [r, turn]: [f32; 2]) -> [f32; 2] {
+    let (sin, cos) = (TAU * turn).sin_cos();
+    let radius = aperture_radius * r.sqrt();
+    [radius * cos, radius * sin]
 }

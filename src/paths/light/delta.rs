@@ -2,8 +2,9 @@
 
 use crate::kernels::light::{direction_irradiance, point_falloff, point_irradiance};
 use crate::lanes::{Lane, Real, V3};
+use crate::paths::leaving::SHADOW_FAR;
 use crate::paths::light::beam::power_toward;
-use crate::paths::rays::{RayPacket, SHADOW_FAR, lane_mask, masked, splat};
+use crate::paths::rays::{RayPacket, lane_mask, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{DeltaSight, TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
@@ -43,7 +44,7 @@ impl SceneView<'_> {
         let above = surface.n.dot(w).gt(Lane::splat(0.0)).to_bits() | both_sides;
         let rays = RayPacket {
             far,
-            ..RayPacket::leaving(surface.x, surface.geometric, w, lit & above)
+            ..self.leaving(surface.x, surface.geometric, w, lit & above)
         };
         let seen = self.unoccluded(&rays, count);
         DeltaSight {

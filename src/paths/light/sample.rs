@@ -15,7 +15,7 @@ use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Pair;
 use crate::paths::estimator::LightDraw;
-use crate::paths::rays::{RayPacket, from_lanes, lane_mask, masked, splat};
+use crate::paths::rays::{from_lanes, lane_mask, masked, splat};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{LightSamples, Vertices};
 use crate::paths::surface::interface::texture_at;
@@ -86,7 +86,7 @@ impl At<'_> {
         let zero = Lane::splat(0.0);
         let lit = irradiance.gt(zero) & lane_mask(vertices.hit & vertices.kinds.lit_by_samples());
         let y = view.patch_points(&patch, &s, &r);
-        let rays = RayPacket::toward(surface.x, surface.geometric, y, lit.to_bits());
+        let rays = view.toward(surface.x, surface.geometric, y, lit.to_bits());
         let visible = view.unoccluded(&rays, &mut counts.shadow);
         let mut weight = Lane::splat(1.0) / Lane::new(pdf);
         let w = y - surface.x;

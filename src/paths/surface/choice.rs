@@ -52,20 +52,14 @@ impl SceneView<'_> {
 
     /// Chooses among the materials of surfaces that are made of several.
     pub fn choose(&self, vertices: &mut Vertices, numbers: &Numbers) {
-        if !self.materials.any_choice {
-            return;
-        }
-        let has_parts = |triangle: u32| {
-            triangle != NO_TRIANGLE && !self.materials.parts(self.material_of(triangle)).is_empty()
-        };
-        if !vertices.triangle.iter().any(|&t| has_parts(t)) {
+        if !vertices.triangle.iter().any(|&t| self.is_mixed(t)) {
             return;
         }
         let b = self.barycentrics(vertices).map(Lane::to_array);
         let mut part = [0; LANES];
         let mut inverse_chance = [1.0; LANES];
         let mut factor = [1.0; LANES];
-        for lane in (0..LANES).filter(|&l| has_parts(vertices.triangle[l])) {
+        for lane in (0..LANES).filter(|&l| self.is_mixed(vertices.triangle[l])) {
             let name = [numbers.index[lane], numbers.depth, 0];
             let mut left = numbers.stream.single(Single::Choice, name);
             let parts = self
@@ -104,6 +98,44 @@ impl SceneView<'_> {
             inverse_chance: Lane::new(inverse_chance),
             arriving,
         }));
+    }
+
+    /// Whether a triangle's surface is made of several materials.
+    pub fn is_mixed(&self, triangle: u32) -> bool {
+        self.materials.any_choice
+            && triangle != NO_TRIANGLE
+            && !self.materials.parts(self.material_of(triangle)).is_empty()
+    }
+
+    /// Meets everywhere the material number `part` of those that surfaces are made of, and returns
+    /// their fractions; `None` if no lane has so many.
+    pub fn made_of(&self, vertices: &mut Vertices, part: usize) -> Option<Lane> {
+        let counts: [usize; LANES] = std::array::from_fn(|lane| match vertices.triangle[lane] {
+            NO_TRIANGLE => 1,
+            triangle => self
+                .materials
+                .parts(self.material_of(triangle))
+                .len()
+                .max(1),
+        });
+        let has_it = counts.map(|count| part < count);
+        if !has_it.contains(&true) {
+            return None;
+        }
+        if counts == [1; LANES] {
+            return Some(Lane::splat(1.0));
+        }
+        let choice = Choice {
+            part: counts.map(|count| part.min(count - 1) as u16),
+            inverse_chance: Lane::splat(1.0),
+            arriving: vertices.throughput,
+        };
+        let b = self.barycentrics(vertices);
+        let fractions = self.choice_factors(vertices, &choice, b).to_array();
+        vertices.choice = Some(Box::new(choice));
+        Some(Lane::new(std::array::from_fn(|lane| {
+            if has_it[lane] { fractions[lane] } else { 0.0 }
+        })))
     }
 
     /// Calls `each` with every factor of each lane's fraction; `b` are the barycentrics of the

@@ -52,7 +52,7 @@ impl SceneView<'_> {
             self.bounce_direction(vertices, surface)
         };
         let alive = self.roulette(vertices, numbers);
-        RayPacket::leaving(surface.x, surface.geometric, direction, alive)
+        self.leaving(surface.x, surface.geometric, direction, alive)
     }
 
     /// Which paths go on, and which vertices look for silhouettes over their lobes; sets the

@@ -74,7 +74,7 @@ impl SceneView<'_> {
         let below = world & surface.n.dot(direction).le(zero).to_bits();
         vertices.survival = <Lane as Real>::select(lane_mask(below), zero, vertices.survival);
         let active = rays.active & !below;
-        *rays = RayPacket::leaving(surface.x, surface.geometric, direction, active);
+        *rays = self.leaving(surface.x, surface.geometric, direction, active);
         drawn
     }
 

@@ -5,10 +5,14 @@ use super::search::{Border, ChainSearch, Way};
 use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, clear_of};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::paths::boundary_sample::Shadow;
+use crate::trace::geometry::Geometry;
 use glam::Vec3;
 
 /// Steps toward a border along a chain.
 const STEPS: u32 = 24;
+/// Places this far from each other tell of a slope, in parts of an interval.
+const APART: f64 = 1e-8;
 /// How near to where rays change sides of a plane to look, in parts of an interval.
 const OWN_PLANE: f64 = 1e-4;
 
@@ -20,9 +24,11 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         crossing: &Crossing,
         way: &Way,
     ) -> Option<Border> {
-        let (at, slope) = self.root(ends, crossing, way)?;
-        let beside = self.beside(&at, crossing, slope);
+        let boundary = &crossing.boundary;
         let view = self.scene.view;
+        let enough = |at: &Followed, slope| 0.02 * beside(view.geometry, at, crossing, slope);
+        let (at, slope) = self.root(ends, (boundary, None, crossing.s), way, enough)?;
+        let beside = beside(view.geometry, &at, crossing, slope);
         let places = [at.s - beside, at.s + beside];
         let [before, after] =
             places.map(|s| Followed::new(view, self.rays, s, &way.bends, self.counts));
@@ -44,6 +50,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         let length = b.s - a.s;
         while b.s - a.s > OWN_PLANE * length {
             let middle = 0.5 * (a.s + b.s);
+            // An interval that is no more than rounding has no middle.
+            if middle <= a.s || middle >= b.s {
+                break;
+            }
             let m = Followed::new(view, self.rays, middle, &way.bends, self.counts)?;
             let end = if m.leaks == a.leaks { &mut a } else { &mut b };
             *end = m;
@@ -53,11 +63,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         let corners = view.geometry.triangles[t as usize];
         let mut at = a.clone();
         let edge = if t == u {
-            let point = SurfacePoint {
-                x: at.origin.as_vec3(),
-                geometric: Vec3::ZERO,
-                triangle: t,
-            };
+            let point = SurfacePoint::new(view.geometry, at.origin.as_vec3(), Vec3::ZERO, t);
             point.plane_edge(view)
         } else {
             at.chain.pop();
@@ -74,41 +80,44 @@ impl<R: FirstRays> ChainSearch<'_, R> {
 
     /// The root of F along the chain near where rays that are not bent otherwise have it, and its
     /// slope there.
-    fn root(
+    pub(super) fn root(
         &mut self,
         [a, b]: [&Followed; 2],
-        crossing: &Crossing,
+        (boundary, shadow, near): (&Boundary, Option<Shadow>, f64),
         way: &Way,
+        enough: impl Fn(&Followed, f64) -> f64,
     ) -> Option<(Followed, f64)> {
         let (scene, rays) = (self.scene, self.rays);
-        let boundary = &crossing.boundary;
         let length = b.s - a.s;
-        let [mut low, mut high] = [a, b].map(|end| (end.s, end.side(scene, boundary)));
+        let [mut low, mut high] = [a, b].map(|end| (end.s, end.side(scene, boundary, shadow)));
         let is_bracketed = low.1 * high.1 < 0.0;
-        let mut s = a.s + crossing.s.clamp(0.0, 1.0) * length;
+        let mut s = a.s + near.clamp(0.0, 1.0) * length;
         let mut last: Option<(f64, f64)> = None;
+        let mut known = None;
         for step in 0..STEPS {
             let here = Followed::new(scene.view, rays, s, &way.bends, self.counts)?;
-            let side = here.side(scene, boundary);
-            // The slope between the last two places; at first between the ends, or a little beside.
-            let slope = match last {
-                Some((t, f)) if t != s => (side - f) / (s - t),
+            let side = here.side(scene, boundary, shadow);
+            // The slope between the last two places that rounding leaves apart; at first between the
+            // ends, or a little beside.
+            let measured = last.filter(|(t, _)| (s - t).abs() > APART * length);
+            let slope = match (measured, known) {
+                (Some((t, f)), _) => (side - f) / (s - t),
+                (None, Some(known)) => known,
                 _ if is_bracketed => (high.1 - low.1) / (high.0 - low.0),
                 _ => {
                     let t = if s < a.s + 0.5 * length { 1.0 } else { -1.0 };
                     let t = s + 1e-3 * t * length;
                     let beside = Followed::new(scene.view, rays, t, &way.bends, self.counts)?;
-                    (beside.side(scene, boundary) - side) / (t - s)
+                    (beside.side(scene, boundary, shadow) - side) / (t - s)
                 }
             };
             if slope == 0.0 || !slope.is_finite() {
                 return None;
             }
-            let enough = 0.02 * self.beside(&here, crossing, slope);
-            if step > 0 && (side / slope).abs() <= enough {
+            if step > 0 && (side / slope).abs() <= enough(&here, slope) {
                 return Some((here, slope));
             }
-            last = Some((s, side));
+            (last, known) = (Some((s, side)), Some(slope));
             let mut next = s - side / slope;
             if is_bracketed {
                 *(if side * low.1 > 0.0 {
@@ -128,26 +137,25 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         }
         None
     }
+}
 
-    /// How far beside a border to look: as near as single precision lets.
-    fn beside(&self, at: &Followed, crossing: &Crossing, slope: f64) -> f64 {
-        let geometry = self.scene.view.geometry;
-        let Followed {
-            origin, direction, ..
-        } = *at;
-        let boundary = &crossing.boundary;
-        let Some(point) = boundary.seen_along(geometry, origin, direction) else {
-            return PROBE;
-        };
-        let away = point.distance(origin);
-        let distance = if crossing.is_tight() {
-            clear_of(geometry, boundary, point)
-        } else {
-            NEAREST * (point.abs().max_element() + 1.0 + away)
-        };
-        // F is c·d, and c stands on d.
-        let c = boundary.normal(geometry, origin);
-        let per_distance = c.length() * direction.length() / away;
-        (distance * per_distance / slope.abs()).min(PROBE)
-    }
+/// How far beside a border to look: as near as single precision lets.
+fn beside(geometry: &Geometry, at: &Followed, crossing: &Crossing, slope: f64) -> f64 {
+    let Followed {
+        origin, direction, ..
+    } = *at;
+    let boundary = &crossing.boundary;
+    let Some(point) = boundary.seen_along(geometry, origin, direction) else {
+        return PROBE;
+    };
+    let away = point.distance(origin);
+    let distance = if crossing.is_tight() {
+        clear_of(geometry, boundary, point)
+    } else {
+        NEAREST * (geometry.room(point) + away)
+    };
+    // F is c·d, and c stands on d.
+    let c = boundary.normal(geometry, origin);
+    let per_distance = c.length() * direction.length() / away;
+    (distance * per_distance / slope.abs()).min(PROBE)
 }

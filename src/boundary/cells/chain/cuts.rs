@@ -11,6 +11,16 @@ use crate::paths::chain_vertex::ChainVertex;
 
 /// Cuts behind one another that are looked for in one part of an interval.
 const ROUNDS: u32 = 6;
+/// Parts of one interval that are looked at behind so many smooth surfaces. Where mirrors face each
+/// other all parts differ from their neighbours, and each would be halved to the end.
+fn most_parts(surfaces: usize) -> u32 {
+    match surfaces {
+        0 | 1 => 96,
+        2 => 48,
+        _ => 24,
+    }
+}
+
 /// Facets of one smooth surface that are told apart in one interval.
 const MOST_FACETS: usize = 16;
 
@@ -22,7 +32,13 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             view, adjacency, ..
         } = *self.scene;
         let mut parts = vec![(ends.map(Followed::clone), ROUNDS, HALVINGS)];
+        let mut looked_at = 0;
         while let Some(([a, b], rounds, halvings)) = parts.pop() {
+            if looked_at == most_parts(way.bends.len()) {
+                self.counts.unresolved += parts.len() as u64 + 1;
+                break;
+            }
+            looked_at += 1;
             let seen = [a.triangle, b.triangle];
             if a.s >= b.s {
                 continue;
@@ -152,6 +168,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         (!way.bends.is_empty() && moves).then(|| Found {
             s: at.s,
             boundary: crossing.boundary,
+            shadow: None,
             weight: at.weight * (way.inverse_chance * count),
             chain: at.chain,
             bends: way.bends.len(),

@@ -6,7 +6,57 @@ use crate::discontinuity::between::HALVINGS;
 use crate::paths::chain::LEAST_CHANCE;
 use crate::paths::chain_vertex::Bend;
 
+/// The chance with which chains go on that are as long as paths which roulette may end. Less than that
+/// of paths: each look along a chain follows all of it anew.
+const MOST_SURVIVAL: f64 = 0.75;
+
+/// How many parts of what a line sees behind so many smooth surfaces are followed beyond that, in
+/// expectation. Mirrors that see each other's facets would else cut a line into ever more parts with
+/// every bounce.
+fn most_parts(surfaces: usize, has_new_points: bool) -> f64 {
+    match surfaces {
+        0 if has_new_points => 8.0,
+        0 => f64::INFINITY,
+        1 => 4.0,
+        2 => 2.0,
+        _ => 0.5,
+    }
+}
+
 impl<R: FirstRays> ChainSearch<'_, R> {
+    /// Follows the parts of a line beyond what they see: all of them if they are few, or else some,
+    /// which stand for the others. Half of the choice is by how long a part is.
+    pub(super) fn branch(&mut self, runs: Vec<Run>, way: &Way) {
+        let length = |run: &Run| {
+            let view = self.scene.view;
+            let [from, to] = run.ends()?;
+            let is_smooth = Followed::is_smooth(view, run.rays[0].triangle);
+            (is_smooth && from < to).then(|| self.rays.place(to) - self.rays.place(from))
+        };
+        let parts: Vec<(Run, f64)> = runs
+            .into_iter()
+            .filter_map(|run| length(&run).map(|length| (run, length)))
+            .collect();
+        let count = parts.len() as f64;
+        let total: f64 = parts.iter().map(|(_, length)| length).sum();
+        let most = most_parts(way.bends.len(), self.new_points.is_some());
+        for (run, length) in parts {
+            let share = 0.5 * (length / total + 1.0 / count);
+            let chance = if count > most {
+                (most * share).min(1.0)
+            } else {
+                1.0
+            };
+            if chance == 1.0 {
+                self.deeper(run, way);
+            } else if self.draw() < chance {
+                let mut chosen = way.clone();
+                chosen.inverse_chance /= chance;
+                self.deeper(run, &chosen);
+            }
+        }
+    }
+
     /// Follows rays that see one smooth surface beyond it.
     pub(super) fn deeper(&mut self, run: Run, way: &Way) {
         let view = self.scene.view;
@@ -24,10 +74,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             return;
         }
         let mut here = way.clone();
-        here.met = match run.is_open {
-            [false, false] => self.chance(ends, way),
-            _ => way.met,
-        };
+        here.met = run.met;
         let mut rays = run.rays;
         if let (Some(count), 0) = (self.new_points, number) {
             rays = self.put_anew(rays, ends, count, &here);
@@ -98,7 +145,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             let brightest = rays.iter().map(|ray| ray.weight.max_element());
             let brightest = brightest.fold(0.0, f64::max) * next.inverse_chance;
             // A mask may let more through between its rays than along them.
-            let survives = brightest.clamp(LEAST_CHANCE, 0.95);
+            let survives = brightest.clamp(LEAST_CHANCE, MOST_SURVIVAL);
             if self.draw() >= survives {
                 return;
             }
@@ -110,7 +157,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 .filter_map(|ray| ray.on(view, bend, self.counts))
                 .collect();
             if on.len() > 1 {
-                self.look_between(on, &next);
+                self.waiting.push((on, next.clone()));
             }
         }
     }

@@ -76,8 +76,8 @@ pub fn find(cells: &LatticeCells, stream: &Stream, out: &mut Found) {
             }
         }
     }
-    borders.sort_by_key(|b| b.border.bends);
-    let by_length = borders.chunk_by(|a, b| a.border.bends == b.border.bends);
+    borders.sort_by_key(|b| b.border.kind());
+    let by_length = borders.chunk_by(|a, b| a.border.kind() == b.border.kind());
     for group in by_length.flat_map(|group| group.chunks(LANES / 2)) {
         let all: Vec<&Border> = group.iter().map(|b| &b.border).collect();
         let number = |b: &OnLine| {
@@ -131,6 +131,8 @@ fn find_on_line(
                 depth: 0,
                 splits_first: true,
                 new_points: None,
+
+                waiting: Vec::new(),
                 found: Vec::new(),
             };
             search.search(std::mem::take(&mut stretch));
@@ -150,7 +152,8 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
     let position = rays.position(border.s);
     let origin = view.camera.origin.as_dvec3();
     let direction = cells.direction_at(position);
-    let c = normal_through(view, &border.chain, &border.boundary, origin, direction);
+    let jumps = (&border.boundary, border.shadow);
+    let c = normal_through(view, &border.chain, jumps, origin, direction);
     let gradient = view.camera.direction_per_pixel().map(|d| c.dot(d));
     let Some(velocity) = velocity_per_side(gradient, [1.0, 0.0, 1.0], line.axis) else {
         return;
@@ -161,7 +164,7 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
     }
     let chain = out.add_chain(&border.chain);
     out.samples.push(BoundarySample {
-        shadow: None,
+        shadow: border.shadow,
         boundary: border.boundary,
         lane: 0,
         at: Coordinate::Film(position),

@@ -3,10 +3,13 @@
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{Boundary, dvec3, vector};
 use crate::discontinuity::pencil::Pencil;
+use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
+use crate::paths::boundary_sample::Shadow;
 use crate::paths::chain::{Meeting, through};
 use crate::paths::chain_vertex::{Bend, ChainVertex};
 use crate::paths::counts::Counts;
+use crate::paths::light::delta::toward;
 use crate::paths::scene_view::SceneView;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::DVec3;
@@ -100,10 +103,12 @@ impl Followed {
         Some(self)
     }
 
-    /// F of a boundary along its ray.
-    pub fn side(&self, scene: &SearchScene, boundary: &Boundary) -> f64 {
+    /// F of a boundary along its ray, or along that from where it ends toward a delta light.
+    pub fn side(&self, scene: &SearchScene, boundary: &Boundary, shadow: Option<Shadow>) -> f64 {
         let position = |v: u32| vector(scene.view.geometry.positions[v as usize].as_dvec3());
-        boundary.side(vector(self.origin), vector(self.direction), position)
+        let ray = (vector(self.origin), vector(self.direction));
+        let (o, d) = toward_delta_light(scene.view, shadow, ray, position);
+        boundary.side(o, d, position)
     }
 
     /// Whether a triangle's mesh bends rays without blurring them.
@@ -124,16 +129,31 @@ pub fn pencil(ends: [&Followed; 2]) -> Pencil {
     }
 }
 
+/// From where a ray meets the receiver of a shadow, toward the light; the ray itself without one.
+fn toward_delta_light<F: Real<Mask = bool>>(
+    view: &SceneView,
+    shadow: Option<Shadow>,
+    (o, d): (V3<F>, V3<F>),
+    position: impl Fn(u32) -> V3<F>,
+) -> (V3<F>, V3<F>) {
+    let Some(Shadow { light, receiver }) = shadow else {
+        return (o, d);
+    };
+    let [p, q, r] = view.geometry.triangles[receiver as usize].map(position);
+    let y = triangle_point(o, d, p, q, r);
+    (y, toward(&view.scene.delta_lights[light as usize], y).0)
+}
+
 /// c in F = c·d for the directions d in which a chain's first ray starts at `o`: how the boundary's F
 /// at its end changes with d.
 pub fn normal_through(
     view: &SceneView,
     chain: &[ChainVertex],
-    boundary: &Boundary,
+    (boundary, shadow): (&Boundary, Option<Shadow>),
     o: DVec3,
     d: DVec3,
 ) -> DVec3 {
-    if chain.is_empty() {
+    if chain.is_empty() && shadow.is_none() {
         return boundary.normal(view.geometry, o);
     }
     let constant = |v: DVec3| {
@@ -146,7 +166,8 @@ pub fn normal_through(
         let point = |v: u32| constant(view.geometry.positions[v as usize].as_dvec3());
         let normal = |v: u32| constant(view.geometry.normals[v as usize].as_dvec3());
         let eta = |texture: usize| Dual::splat(f64::from(view.scene.constant(texture)[0]));
-        let (o, d) = through(view, chain, (constant(o), d), point, normal, eta);
+        let ray = through(view, chain, (constant(o), d), point, normal, eta);
+        let (o, d) = toward_delta_light(view, shadow, ray, point);
         boundary.side(o, d, point).tangent
     };
     dvec3(V3 {

@@ -88,6 +88,8 @@ pub fn find(
         depth,
         splits_first: false,
         new_points: Some(NEW_POINTS),
+
+        waiting: Vec::new(),
         found: Vec::new(),
     };
     let points = line.psi.iter().zip(seen);
@@ -97,8 +99,8 @@ pub fn find(
             .collect(),
     );
     let mut found = chains.found;
-    found.sort_by_key(|border| border.bends);
-    for group in found.chunk_by(|a, b| a.bends == b.bends) {
+    found.sort_by_key(Found::kind);
+    for group in found.chunk_by(|a, b| a.kind() == b.kind()) {
         for group in group.chunks(LANES / 2) {
             let all: Vec<&Found> = group.iter().collect();
             let numbers = (probes.stream, &[probes.index; LANES]);
@@ -107,7 +109,11 @@ pub fn find(
                 let direction = line.direction(border.s);
                 let jump = jump * probes.weight;
                 if jump != DVec3::ZERO {
-                    let border = Border::through(border.boundary, &border.chain);
+                    let border = Border {
+                        boundary: border.boundary,
+                        shadow: border.shadow,
+                        chain: &border.chain,
+                    };
                     search.push(at, line, border, direction, jump);
                 }
             }

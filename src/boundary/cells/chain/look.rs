@@ -1,9 +1,11 @@
 //! Looking on both sides of borders that are seen through chains.
 
 use super::search::Found;
+use crate::boundary::cells::delta::value::brought;
 use crate::boundary::probe::Sides;
 use crate::boundary::search_scene::SearchScene;
 use crate::lanes::LANES;
+use crate::paths::boundary_sample::Shadow;
 use crate::paths::counts::Counts;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
@@ -20,6 +22,9 @@ pub fn jumps(
     (stream, index): (&Stream, &[u32; LANES]),
     counts: &mut Counts,
 ) -> Vec<DVec3> {
+    if borders.iter().any(|border| border.shadow.is_some()) {
+        return brought_at(scene, borders, counts);
+    }
     let mut origins = [Vec3::ZERO; LANES];
     let mut directions = [Vec3::Z; LANES];
     let mut sides = Sides::default();
@@ -46,12 +51,40 @@ pub fn jumps(
     let (radiance, _) = scene.probe(start, sides, stream, index, counts);
     let jump = |(i, border): (usize, &&Found)| {
         let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());
-        let jump = (before - after) * border.weight;
-        if !jump.is_finite() {
-            counts.boundary_not_finite += 1;
-            return DVec3::ZERO;
-        }
-        jump
+        weighed(border, before - after, counts)
     };
     borders.iter().enumerate().map(jump).collect()
+}
+
+/// The same where all of them are the borders of shadows: what their lights bring.
+fn brought_at(scene: &SearchScene, borders: &[&Found], counts: &mut Counts) -> Vec<DVec3> {
+    let mut origins = [Vec3::ZERO; LANES];
+    let mut directions = [Vec3::Z; LANES];
+    let [mut receivers, mut lights] = [[0; LANES]; 2];
+    for (lane, border) in borders.iter().enumerate() {
+        let [(origin, direction), _] = border.sides;
+        (origins[lane], directions[lane]) = (origin.as_vec3(), direction.as_vec3());
+        if let Some(Shadow { light, receiver }) = border.shadow {
+            (lights[lane], receivers[lane]) = (light, receiver);
+        }
+    }
+    let rays = RayPacket {
+        active: u32::MAX >> (32 - borders.len()),
+        origin: from_lanes(&origins),
+        direction: from_lanes(&directions),
+        near: 0.0,
+        far: f32::INFINITY,
+    };
+    let brought = brought(scene, &rays, &receivers, &lights, counts);
+    let jump = |(border, brought): (&&Found, DVec3)| weighed(border, brought, counts);
+    borders.iter().zip(brought).map(jump).collect()
+}
+
+fn weighed(border: &Found, jump: DVec3, counts: &mut Counts) -> DVec3 {
+    let jump = jump * border.weight;
+    if !jump.is_finite() {
+        counts.boundary_not_finite += 1;
+        return DVec3::ZERO;
+    }
+    jump
 }

@@ -5,6 +5,8 @@ mod cuts;
 mod deeper;
 pub mod film;
 pub mod follow;
+mod frames;
 pub mod lobe;
 pub mod look;
 pub mod search;
+mod shadows;

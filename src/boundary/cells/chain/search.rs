@@ -8,6 +8,7 @@
 use super::follow::{FirstRays, Followed};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
+use crate::paths::boundary_sample::Shadow;
 use crate::paths::chain_vertex::{Bend, ChainVertex};
 use crate::paths::counts::Counts;
 use glam::DVec3;
@@ -21,6 +22,8 @@ pub struct Found {
     /// The place of the first ray.
     pub s: f64,
     pub boundary: Boundary,
+    /// Given if it is that of a delta light's shadow: its jump is what the light brings.
+    pub shadow: Option<Shadow>,
     pub chain: Vec<ChainVertex>,
     /// Smooth surfaces before the last rays: one more than the chain where it is the last surface
     /// that has an edge there.
@@ -30,6 +33,13 @@ pub struct Found {
     /// What the jump is multiplied with: the chain's weight, over the chance of finding it and that
     /// of its bends.
     pub weight: DVec3,
+}
+
+impl Found {
+    /// What those have in common that are looked at together.
+    pub fn kind(&self) -> (usize, bool) {
+        (self.bends, self.shadow.is_some())
+    }
 }
 
 /// A search on a line.
@@ -47,6 +57,8 @@ pub struct ChainSearch<'a, R> {
     pub splits_first: bool,
     /// Points that are put anew on each part of the line that sees one smooth surface, if any.
     pub new_points: Option<u32>,
+    /// Rays with chains of one kind, between which nothing has been looked for yet.
+    pub(super) waiting: Vec<(Vec<Followed>, Way)>,
     pub found: Vec<Found>,
 }
 
@@ -102,11 +114,10 @@ pub(super) struct Cuts {
     pub ridges: Vec<Found>,
 }
 
-/// Rays that see one surface, and whether the part that sees it goes on beyond the first and the
-/// last of them.
+/// Rays that see one surface, and the chance that the part of the line is met that sees it.
 pub(super) struct Run {
     pub rays: Vec<Followed>,
-    pub is_open: [bool; 2],
+    pub met: f64,
 }
 
 impl Run {
@@ -124,7 +135,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             points: Points::OfLine,
             met: 1.0,
         };
-        self.look_between(rays, &way);
+        self.waiting.push((rays, way));
+        while let Some((rays, way)) = self.waiting.pop() {
+            self.look_between(rays, &way);
+        }
     }
 
     pub(super) fn draw(&mut self) -> f64 {
@@ -133,12 +147,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
     }
 
     /// What lies between rays with chains of one kind.
-    pub(super) fn look_between(&mut self, rays: Vec<Followed>, way: &Way) {
+    fn look_between(&mut self, rays: Vec<Followed>, way: &Way) {
         let mut all = Cuts::default();
-        let mut runs = vec![Run {
-            rays: Vec::new(),
-            is_open: [true; 2],
-        }];
+        let run = |rays| Run { rays, met: way.met };
+        let mut runs = vec![run(Vec::new())];
         let mut known = 0;
         for (i, ray) in rays.iter().enumerate() {
             let is_first = i == 0;
@@ -149,91 +161,75 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             for cut in &all.cuts[known..] {
                 if let Some(run) = runs.last_mut() {
                     run.rays.push(cut.sides[0].clone());
-                    run.is_open[1] = false;
                 }
-                runs.push(Run {
-                    rays: vec![cut.sides[1].clone()],
-                    is_open: [false, true],
-                });
+                runs.push(run(vec![cut.sides[1].clone()]));
             }
             known = all.cuts.len();
             if let Some(run) = runs.last_mut() {
                 run.rays.push(ray.clone());
             }
         }
-        self.weigh(&mut all, &runs, way);
-        for run in runs {
-            self.deeper(run, way);
-        }
+        self.weigh(&mut all, &mut runs, way);
+        self.delta_lights(&runs, way);
+        self.branch(runs, way);
     }
 
-    /// Weighs what was found by one over the chance of finding it. A border is found from the side
-    /// that hides the other, wherever a point lies there; what in turn hides that, up to its own
-    /// border, finds it as well.
-    fn weigh(&mut self, all: &mut Cuts, runs: &[Run], way: &Way) {
+    /// Weighs what was found by one over the chance of finding it, and notes those of runs. A border
+    /// is found from the side that hides the other, wherever a point lies there; what in turn hides
+    /// that, up to its own border, finds it as well. So is a run found from what hides it, and from
+    /// what it hangs together with.
+    fn weigh(&mut self, all: &mut Cuts, runs: &mut [Run], way: &Way) {
         let near: Vec<Near> = all.cuts.iter().map(|cut| cut.near).collect();
-        let chance = |[first, last]: [usize; 2]| {
-            let [a, b] = [&runs[first], &runs[last]].map(Run::ends);
-            let (Some([from, _]), Some([_, to])) = (a, b) else {
-                return way.met;
-            };
-            if runs[first].is_open[0] || runs[last].is_open[1] {
-                return way.met;
+        let first = |mut run: usize| {
+            while run > 0 && near[run - 1] != Near::After {
+                run -= 1;
             }
-            self.chance([from, to], way)
+            run
         };
-        for i in 0..near.len() {
-            let before = || {
-                let mut first = i;
-                while first > 0 && near[first - 1] != Near::After {
-                    first -= 1;
-                }
-                chance([first, i])
-            };
-            let after = || {
-                let mut last = i + 1;
-                while last < near.len() && near[last] != Near::Before {
-                    last += 1;
-                }
-                chance([i + 1, last])
-            };
-            let chance = match near[i] {
-                Near::Before => before(),
-                Near::After => after(),
-                Near::None => before().min(after()),
-                Near::OwnPlane => {
-                    self.own_plane_counts(&all.cuts[i], [&runs[i], &runs[i + 1]], way)
-                }
-            };
-            if let Some(border) = &mut all.cuts[i].border {
-                border.weight /= chance;
+        let last = |mut run: usize| {
+            while run < near.len() && near[run] != Near::Before {
+                run += 1;
             }
+            run
+        };
+        let chance = |from: usize, to: usize| {
+            let [a, b] = [&runs[from], &runs[to]].map(Run::ends);
+            match (a, b) {
+                (Some([low, _]), Some([_, high])) if from > 0 && to < near.len() => {
+                    self.chance([low, high], way)
+                }
+                _ => way.met,
+            }
+        };
+        for (i, cut) in all.cuts.iter_mut().enumerate() {
+            let Some(border) = &mut cut.border else {
+                continue;
+            };
+            border.weight /= match near[i] {
+                Near::Before => chance(first(i), i),
+                Near::After => chance(i + 1, last(i + 1)),
+                Near::None => chance(first(i), last(i + 1)),
+                Near::OwnPlane => {
+                    own_plane_counts(cut.sides[0].leaks, [i == 0, i + 1 == near.len()], way)
+                }
+            };
+        }
+        let met: Vec<f64> = (0..runs.len()).map(|r| chance(first(r), last(r))).collect();
+        for (run, met) in runs.iter_mut().zip(met) {
+            run.met = met;
         }
         for ridge in &mut all.ridges {
-            let holds = |run: &Run| {
+            let holds = |run: &&Run| {
                 run.ends()
                     .is_some_and(|[from, to]| (from..=to).contains(&ridge.s))
             };
-            if let Some(run) = runs.iter().position(holds) {
-                ridge.weight /= chance([run; 2]);
+            if let Some(run) = runs.iter().find(holds) {
+                ridge.weight /= run.met;
             }
         }
         self.found.append(&mut all.ridges);
         self.found
             .extend(all.cuts.iter_mut().filter_map(|cut| cut.border.take()));
-    }
-
-    /// Whether a border at which rays change sides of a plane counts: infinity if not. Those that
-    /// lie between two such borders move alike, and what they bring cancels. Only what reaches to
-    /// the end of the surface is left.
-    fn own_plane_counts(&self, cut: &Cut, runs: [&Run; 2], way: &Way) -> f64 {
-        let leaks_first = cut.sides[0].leaks;
-        let reaches_end = if leaks_first {
-            runs[0].is_open[0]
-        } else {
-            runs[1].is_open[1]
-        };
-        if reaches_end { way.met } else { f64::INFINITY }
     }
 
     /// The chance that any point lies between two places.
@@ -252,6 +248,15 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         };
         chance.max(LEAST_MET)
     }
+}
+
+/// Whether a border at which rays change sides of a plane counts: infinity if not. Those that lie
+/// between two such borders move alike, and what they bring cancels. Only what reaches to the end of
+/// the surface is left. Given are whether rays leak before the border, and whether nothing else is
+/// known on either side of it.
+fn own_plane_counts(leaks_first: bool, is_open: [bool; 2], way: &Way) -> f64 {
+    let reaches_end = is_open[usize::from(!leaks_first)];
+    if reaches_end { way.met } else { f64::INFINITY }
 }
 
 /// A border and the rays beside it.

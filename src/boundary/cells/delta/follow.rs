@@ -9,7 +9,7 @@ use crate::discontinuity::crossing::Reservoir;
 use crate::discontinuity::facets::{Facet, facets};
 use crate::discontinuity::walk::{Walk, parameter, walk_among};
 use crate::paths::counts::Counts;
-use crate::trace::geometry::NO_TRIANGLE;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
 /// The largest step beyond a silhouette, as a part of a facet.
@@ -67,19 +67,8 @@ pub fn follow<F: Fn(f64) -> u32>(
     limit: f64,
     counts: &mut Counts,
 ) -> Followed {
-    let end = surface_end(scene, rays, counts).min(limit);
-    let Rays { arc, seen, .. } = rays;
-    let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
-    let [triangle, other] = *seen;
-    let passed = if triangle == other {
-        vec![Facet {
-            triangle,
-            to: end,
-            corner: 0,
-        }]
-    } else {
-        facets(geometry, adjacency, arc, triangle, end)
-    };
+    let (_, passed) = surface(scene, rays, limit, counts);
+    let arc = &rays.arc;
     let mut from = 0.0;
     for Facet { triangle, to, .. } in passed {
         if to <= from {
@@ -96,6 +85,34 @@ pub fn follow<F: Fn(f64) -> u32>(
     } else {
         Followed::AllHidden
     }
+}
+
+/// Up to which parameter, `limit` at most, the surface is seen that the first ray meets, and its
+/// triangles up to there.
+pub fn surface<F: Fn(f64) -> u32>(
+    scene: &SearchScene,
+    rays: &Rays<F>,
+    limit: f64,
+    counts: &mut Counts,
+) -> (f64, Vec<Facet>) {
+    let end = surface_end(scene, rays, counts).min(limit);
+    let [triangle, other] = rays.seen;
+    let passed = if triangle == other {
+        vec![Facet {
+            triangle,
+            to: end,
+            corner: 0,
+        }]
+    } else {
+        facets(
+            scene.view.geometry,
+            scene.adjacency,
+            &rays.arc,
+            triangle,
+            end,
+        )
+    };
+    (end, passed)
 }
 
 /// Up to which parameter the surface is seen that the first ray meets.
@@ -140,22 +157,50 @@ fn over_facet(
     [from, to]: [f64; 2],
     counts: &mut Counts,
 ) -> Followed {
-    let [x_from, x_to] = [from, to].map(|s| receiver.point(arc.origin, arc.direction(s)));
-    if !receiver.is_lit(x_from, arc.direction(from)) {
+    let ends = [from, to].map(|s| receiver.point(arc.origin, arc.direction(s)));
+    if !receiver.is_lit(ends[0], arc.direction(from)) {
         return Followed::Surface(from);
     }
+    let on_arc = |at: f64| parameter_of(arc, ends[0].lerp(ends[1], at));
+    match over_plane(scene, receiver, ends, counts) {
+        OverPlane::Ends(edge, at) => Followed::Shadow(ShadowEnd {
+            edge,
+            receiver: receiver.triangle,
+            s: on_arc(at),
+        }),
+        OverPlane::AllHidden => Followed::AllHidden,
+        OverPlane::Lit if from == 0.0 => Followed::Lost(from),
+        OverPlane::Lit => Followed::Surface(from),
+        OverPlane::Lost(at) => Followed::Lost(on_arc(at)),
+    }
+}
+
+/// What following a shadow from one point of a plane to another came to; numbers are parts of the
+/// way.
+pub enum OverPlane {
+    /// The edge that throws it ends it.
+    Ends([u32; 2], f64),
+    AllHidden,
+    /// There is none where it should begin.
+    Lit,
+    /// It ends, and it is not known why.
+    Lost(f64),
+}
+
+/// Follows the shadow at one point of a receiver's plane toward another.
+pub fn over_plane(
+    scene: &SearchScene,
+    receiver: &Receiver,
+    [x_from, x_to]: [DVec3; 2],
+    counts: &mut Counts,
+) -> OverPlane {
     let point = |at: f64| x_from.lerp(x_to, at);
-    let on_arc = |at: f64| parameter_of(arc, point(at));
     let (lift, source) = (receiver.lift(x_from), receiver.source(x_from));
     let mut at = 0.0;
     counts.probe += 1;
     let mut occluder = receiver.occluder(x_from);
     if occluder == NO_TRIANGLE {
-        return if from == 0.0 {
-            Followed::Lost(from)
-        } else {
-            Followed::Surface(from)
-        };
+        return OverPlane::Lit;
     }
     for _ in 0..MAX_OCCLUDERS {
         let [a, b] = [point(at), x_to].map(|x| source.position(x + lift));
@@ -166,25 +211,21 @@ fn over_facet(
         };
         let fold = match walk_over(scene, &source, &way, occluder) {
             Walk::Fold(fold) => fold,
-            Walk::Continues => return Followed::AllHidden,
-            Walk::Reached | Walk::Lost => return Followed::Lost(on_arc(at)),
+            Walk::Continues => return OverPlane::AllHidden,
+            Walk::Reached | Walk::Lost => return OverPlane::Lost(at),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
-        at = crossing + step(point(crossing), x_from.distance(x_to));
+        at = crossing + step(scene.view.geometry, point(crossing), x_from.distance(x_to));
         if at >= 1.0 {
-            return Followed::AllHidden;
+            return OverPlane::AllHidden;
         }
         counts.probe += 1;
         occluder = receiver.occluder(point(at));
         if occluder == NO_TRIANGLE {
-            return Followed::Shadow(ShadowEnd {
-                edge: fold.edge,
-                receiver: receiver.triangle,
-                s: on_arc(crossing),
-            });
+            return OverPlane::Ends(fold.edge, crossing);
         }
     }
-    Followed::Lost(on_arc(at))
+    OverPlane::Lost(at)
 }
 
 /// Walks over what throws a shadow, as rays from a delta light see it.
@@ -197,13 +238,12 @@ fn walk_over(scene: &SearchScene, source: &Source, way: &Arc, occluder: u32) -> 
 }
 
 /// How far beyond a silhouette single precision tells that the light is seen, in parts of `length`.
-pub fn step(x: DVec3, length: f64) -> f64 {
-    let room = 1.0 + x.abs().max_element();
-    (NEAREST * room / length).min(MOST_STEP)
+pub fn step(geometry: &Geometry, x: DVec3, length: f64) -> f64 {
+    (NEAREST * geometry.room(x) / length).min(MOST_STEP)
 }
 
 /// The parameter at which an arc passes a point.
-fn parameter_of(arc: &Arc, x: DVec3) -> f64 {
+pub(super) fn parameter_of(arc: &Arc, x: DVec3) -> f64 {
     let (normal, v) = (arc.a.cross(arc.b), x - arc.origin);
     parameter(normal.dot(arc.a.cross(v)), normal.dot(v.cross(arc.b)))
 }

@@ -3,13 +3,13 @@
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
-use crate::discontinuity::boundary::{Boundary, dvec3, vector};
+use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::triangle::triangle_point;
-use crate::paths::boundary_sample::Shadow;
+use crate::paths::counts::Counts;
 use crate::paths::light::delta::toward;
 use crate::paths::moving::Sector;
 use crate::scene::{Bsdf, DeltaLight, DeltaLightKind};
-use crate::trace::geometry::Geometry;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
 /// Where shadow rays come from.
@@ -71,12 +71,24 @@ impl<'a> Receiver<'a> {
             .first_hit(self.scene.view, dvec3(w), far)
     }
 
-    fn surface_point(&self, x: DVec3) -> SurfacePoint {
-        SurfacePoint {
-            x: x.as_vec3(),
-            geometric: self.normal.as_vec3(),
-            triangle: self.triangle,
+    /// Whether the light could shine on what a ray meets there, and something hides it.
+    pub fn is_hidden(&self, origin: DVec3, direction: DVec3, counts: &mut Counts) -> bool {
+        let x = self.point(origin, direction);
+        self.is_lit(x, direction) && {
+            counts.probe += 1;
+            self.occluder(x) != NO_TRIANGLE
         }
+    }
+
+    /// Whether the light shines on what a ray along `direction` meets there.
+    pub fn sees_light(&self, x: DVec3, direction: DVec3, counts: &mut Counts) -> bool {
+        counts.probe += 1;
+        self.is_lit(x, direction) && self.occluder(x) == NO_TRIANGLE
+    }
+
+    fn surface_point(&self, x: DVec3) -> SurfacePoint {
+        let geometry = self.scene.view.geometry;
+        SurfacePoint::new(geometry, x.as_vec3(), self.normal.as_vec3(), self.triangle)
     }
 
     /// Shadow rays start a little off the surface. This far, at `x`.
@@ -130,29 +142,4 @@ impl<'a> Receiver<'a> {
 fn corners(geometry: &Geometry, triangle: u32) -> [DVec3; 3] {
     let corners = geometry.triangles[triangle as usize];
     corners.map(|v| geometry.positions[v as usize].as_dvec3())
-}
-
-/// How F of a shadow's border changes with the direction `d` of the ray that sees the receiver: of
-/// directions c·d is zero on the border, as c of a boundary that is seen itself
-/// ([`Boundary::normal`]).
-pub fn normal(
-    scene: &SearchScene,
-    boundary: &Boundary,
-    &Shadow { light, receiver }: &Shadow,
-    origin: DVec3,
-    d: DVec3,
-) -> DVec3 {
-    let receiver = Receiver::new(scene, light as usize, receiver);
-    let x = receiver.point(origin, d);
-    let toward = receiver.toward_light(x);
-    let geometry = scene.view.geometry;
-    let (at_rest, turning) = boundary.side_adjoint(geometry, x, toward, 1.0, |_, _| {});
-    let by_x = match receiver.light.kind {
-        DeltaLightKind::Point { .. } => at_rest - turning,
-        DeltaLightKind::Directional { .. } => at_rest,
-    };
-    // The ray's end slides along the plane as the ray turns.
-    let n = receiver.normal;
-    let t = (x - origin).dot(d) / d.length_squared();
-    (by_x - n * (by_x.dot(d) / n.dot(d))) * t
 }

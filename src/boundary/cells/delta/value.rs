@@ -3,7 +3,7 @@
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::triangle::triangle_point;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, V3};
 use crate::paths::counts::Counts;
 use crate::paths::rays::{RayPacket, lane_of};
 use crate::paths::store::{DeltaSight, Vertices};
@@ -40,7 +40,6 @@ pub fn brought(
         triangle: *receivers,
         ..Vertices::default()
     };
-    let surface = view.surface(&mut vertices);
     let sights: Vec<DeltaSight> = (0..view.scene.delta_lights.len() as u32)
         .map(|light| {
             let its = (0..LANES).filter(|&l| lights[l] == light);
@@ -50,7 +49,13 @@ pub fn brought(
             }
         })
         .collect();
-    let sum = view.delta_light(&vertices, &surface, &sights);
+    let mut sum = V3::splat(0.0);
+    let mut part = 0;
+    while let Some(fractions) = view.made_of(&mut vertices, part) {
+        let surface = view.surface(&mut vertices);
+        sum = sum + view.delta_light(&vertices, &surface, &sights) * fractions;
+        part += 1;
+    }
     std::array::from_fn(|l| {
         if lanes >> l & 1 == 1 {
             lane_of(sum, l).as_dvec3()

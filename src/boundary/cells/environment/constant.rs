@@ -8,7 +8,7 @@ use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::shadows::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 
 /// Finds what hides a constant environment from diffuse lanes at their last bounce; those in `free`
@@ -60,8 +60,8 @@ fn open(search: &mut LobeSearch, lines: &[Option<Line>; LANES], i: usize, free: 
     }
     let surface = search.at.surface;
     let directions = from_lanes(&directions);
-    let rays = RayPacket::leaving(surface.x, surface.geometric, directions, wanted);
     let view = search.scene.view;
+    let rays = view.leaving(surface.x, surface.geometric, directions, wanted);
     view.unoccluded(&rays, &mut search.out.counts.bounce_cell) | known
 }
 

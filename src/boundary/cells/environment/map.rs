@@ -16,7 +16,7 @@ use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN}
 use crate::paths::dimensions::{Pair, Single};
 use crate::paths::environment::distribution::{MapDistribution, Meridian};
 use crate::paths::moving::Sector;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::scene::Environment;
 use glam::{DVec3, Vec3};
@@ -127,10 +127,9 @@ impl<'a> MapLines<'a> {
         }
         let surface = self.at.surface;
         let directions = from_lanes(&directions);
-        let rays = RayPacket::leaving(surface.x, surface.geometric, directions, wanted);
-        self.scene
-            .view
-            .unoccluded(&rays, &mut out.counts.environment_cell)
+        let view = self.scene.view;
+        let rays = view.leaving(surface.x, surface.geometric, directions, wanted);
+        view.unoccluded(&rays, &mut out.counts.environment_cell)
     }
 
     /// Keeps what jumps by `jump` times the map's radiance at `psi` of a lane's line.

@@ -202,7 +202,8 @@ impl FilmCell<'_> {
         let seen = self.triangles.iter().filter(|&&t| t != NO_TRIANGLE);
         let angles = seen.map(|&t| {
             let [vertex, _, _] = view.geometry.triangles[t as usize];
-            nearest_angle(view.geometry.positions[vertex as usize].as_dvec3(), origin)
+            let point = view.geometry.positions[vertex as usize].as_dvec3();
+            nearest_angle(view.geometry, point, origin)
         });
         let angle = angles.fold(0.0, f64::max);
         (angle / self.angle_per_pixel(self.direction(0.5))).min(self.most_pixels())

@@ -3,6 +3,7 @@
 pub mod cell;
 pub mod crowds;
 pub mod drift;
+mod frames;
 pub mod search;
 mod shadow_border;
 mod shadows;

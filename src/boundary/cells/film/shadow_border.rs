@@ -1,8 +1,8 @@
 //! Where a delta light's shadow ends on the film, and what that brings.
 
 use super::cell::{LatticeCells, LatticeLine};
+use crate::boundary::cells::chain::follow::normal_through;
 use crate::boundary::cells::delta::follow::Rays;
-use crate::boundary::cells::delta::receiver;
 use crate::boundary::cells::delta::value::brought;
 use crate::boundary::cells::line_search::Cell;
 use crate::discontinuity::boundary::{Boundary, velocity_per_side};
@@ -15,7 +15,10 @@ use glam::{DVec3, Vec3};
 /// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
 pub const SMALLEST_CHANCE: f64 = 1e-3;
 
-/// The border of a shadow.
+/// How far beside a border the light is looked at, in pixels.
+const BESIDE_PIXELS: f64 = 1e-3;
+
+/// The border of a shadow, or of a projector's picture.
 pub struct Border {
     pub boundary: Boundary,
     pub shadow: Shadow,
@@ -23,6 +26,9 @@ pub struct Border {
     pub is_own: bool,
     pub axis: usize,
     pub at: [f64; 2],
+    /// On which side of it the light is looked at, ±1 along the line, where it has no value on the
+    /// border itself; else 0.
+    pub lit_side: f64,
     /// What the light's radiance is multiplied with: +1 if it is hidden beyond, −1 if before, over
     /// the chance of finding it.
     pub jump: f64,
@@ -68,7 +74,9 @@ fn jumps(cells: &LatticeCells, group: &[Border], counts: &mut Counts) -> Vec<DVe
     let mut directions = [Vec3::Z; LANES];
     let [mut receivers, mut lights] = [[0; LANES]; 2];
     for (lane, border) in group.iter().enumerate() {
-        directions[lane] = cells.direction_at(border.at).as_vec3();
+        let mut at = border.at;
+        at[border.axis] += border.lit_side * BESIDE_PIXELS;
+        directions[lane] = cells.direction_at(at).as_vec3();
         receivers[lane] = border.shadow.receiver;
         lights[lane] = border.shadow.light;
     }
@@ -98,7 +106,7 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
     let c = if is_own {
         boundary.normal(cells.scene.view.geometry, origin)
     } else {
-        receiver::normal(cells.scene, &boundary, &shadow, origin, d)
+        normal_through(cells.scene.view, &[], (&boundary, Some(shadow)), origin, d)
     };
     let gradient = camera.direction_per_pixel().map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;

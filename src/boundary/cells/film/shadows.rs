@@ -25,8 +25,8 @@ pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts
 }
 
 fn of_light(cells: &LatticeCells, light: usize, borders: &mut Vec<Border>, counts: &mut Counts) {
-    let FilmTile { tile, image, .. } = *cells.film;
-    let hidden = &image.hidden[light];
+    let tile = cells.film.tile;
+    let hidden = hidden(cells, light, counts);
     if !hidden.contains(&true) {
         return;
     }
@@ -71,6 +71,24 @@ fn of_light(cells: &LatticeCells, light: usize, borders: &mut Vec<Border>, count
             }
         }
     }
+}
+
+/// At which points of the lattice something hides the light from what is seen. Of what is made of
+/// several materials paths meet one, which need not be one that is lit.
+fn hidden(cells: &LatticeCells, light: usize, counts: &mut Counts) -> Vec<bool> {
+    let FilmTile {
+        tile, image, view, ..
+    } = *cells.film;
+    let mut hidden = image.hidden[light].clone();
+    let columns = tile.points[0];
+    let mixed = (0..hidden.len()).filter(|&at| view.is_mixed(image.triangle[at]));
+    for at in mixed {
+        let position = [0, 1].map(|axis| tile.position(axis, [at % columns, at / columns][axis]));
+        let receiver = Receiver::new(cells.scene, light, image.triangle[at]);
+        let origin = view.camera.origin.as_dvec3();
+        hidden[at] = receiver.is_hidden(origin, cells.direction_at(position), counts);
+    }
+    hidden
 }
 
 /// Whether a shadow may move that is seen in a cell.
@@ -137,6 +155,7 @@ impl ShadowCell<'_> {
             is_own: false,
             axis: self.line.axis,
             at,
+            lit_side: 0.0,
             jump: -along as f64 * self.weight / chance,
         })
     }

@@ -8,10 +8,10 @@
 
 use super::cell::{LatticeCells, LatticeLine};
 use super::shadow_border::{Border, SMALLEST_CHANCE, between};
-use crate::boundary::cells::delta::follow::{Rays, step, surface_end};
+use crate::boundary::cells::delta::follow::{Rays, step, surface, surface_end};
 use crate::boundary::cells::delta::receiver::Receiver;
 use crate::discontinuity::boundary::Boundary;
-use crate::discontinuity::facets::{Facet, facets};
+use crate::discontinuity::facets::Facet;
 use crate::paths::boundary_sample::Shadow;
 use crate::paths::counts::Counts;
 use crate::paths::estimator::FilmTile;
@@ -74,9 +74,8 @@ fn from_point(
 ) -> bool {
     let scene = cells.scene;
     let rays = between(cells, line, points, counts);
-    let end = surface_end(scene, &rays, counts);
+    let (end, passed) = surface(scene, &rays, 1.0, counts);
     let (geometry, adjacency) = (scene.view.geometry, scene.adjacency);
-    let passed = facets(geometry, adjacency, &rays.arc, rays.seen[0], end);
     let mut chance = None;
     for pair in passed.windows(2) {
         let Some(edge) = pair[0].bend(geometry, adjacency) else {
@@ -108,6 +107,7 @@ fn from_point(
                 is_own: true,
                 axis: line.axis,
                 at,
+                lit_side: 0.0,
                 jump: jump * along / chance,
             });
         }
@@ -135,7 +135,7 @@ fn turn<F>(
     }
     const NEAR: f64 = 1e-3;
     let near = receivers[0].point(arc.origin, arc.direction(s - NEAR));
-    let beside = step(x, near.distance(x) / NEAR);
+    let beside = step(cells.scene.view.geometry, x, near.distance(x) / NEAR);
     let sees = [(0, -beside), (1, beside)].map(|(i, beside)| {
         let y = receivers[i].point(arc.origin, arc.direction(s + beside));
         counts.probe += 1;

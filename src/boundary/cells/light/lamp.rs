@@ -22,9 +22,10 @@ use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::counts::Counts;
 use crate::paths::estimator::LightDraw;
+use crate::paths::leaving::SHADOW_FAR;
 use crate::paths::light::lamp::Lamp;
 use crate::paths::moving::Sector;
-use crate::paths::rays::{OFFSET, RayPacket, SHADOW_FAR, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
@@ -91,7 +92,9 @@ fn open(
         return 0;
     }
     let surface = at.surface;
-    let rays = RayPacket::toward(surface.x, surface.geometric, from_lanes(&ends), active);
+    let rays = scene
+        .view
+        .toward(surface.x, surface.geometric, from_lanes(&ends), active);
     out.counts.light_cell += u64::from(active.count_ones());
     let seen = scene.view.intersect(&rays, Coherence::Incoherent);
     let is_open = |(lane, line): (usize, &Option<LampLine>)| {
@@ -181,7 +184,7 @@ impl<'a> LampLine<'a> {
     /// side is not open or the other not hidden: then it is no end.
     fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
         let extent = self.points[POINTS - 1] - self.points[0];
-        let offset = f64::from(OFFSET) * (self.x.abs().max_element() + 1.0);
+        let offset = f64::from(self.point.clearance);
         let angle = (BESIDE * extent).max(CLEAR * offset / self.way.length());
         let seen = [-1.0, 1.0].map(|side| {
             let at = psi + side * jump.signum() * angle;

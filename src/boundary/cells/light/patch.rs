@@ -23,9 +23,10 @@ use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::estimator::LightDraw;
+use crate::paths::leaving::SHADOW_FAR;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
-use crate::paths::rays::{RayPacket, SHADOW_FAR, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::surface::kinds::LightKind;
 use crate::scene::Rgb;
 use glam::{DVec3, Vec3};
@@ -149,7 +150,7 @@ impl LightLines<'_> {
             (self.fixed(), along)
         };
         let y = view.patch_points(&self.draw.patch, s, r);
-        let rays = RayPacket::toward(surface.x, surface.geometric, y, active);
+        let rays = view.toward(surface.x, surface.geometric, y, active);
         view.unoccluded(&rays, &mut out.counts.light_cell)
     }
 }

@@ -1,6 +1,7 @@
 //! An interval of a line over a lobe.
 
 use super::line::Line;
+use crate::boundary::cells::delta::follow::Rays;
 use crate::boundary::cells::line_search::Cell;
 use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, probe_angle};
 use crate::boundary::search_scene::SearchScene;
@@ -21,6 +22,22 @@ pub struct LobeCell<'a> {
     /// Of the whole interval.
     pub ends: [f64; 2],
     pub triangles: [u32; 2],
+}
+
+impl LobeCell<'_> {
+    /// Its rays, from its second end to its first if they are reversed.
+    pub fn rays(&self, is_reversed: bool) -> Rays<impl Fn(f64) -> u32> {
+        let (mut arc, mut seen) = (self.arc, self.triangles);
+        if is_reversed {
+            arc = arc.reversed();
+            seen.reverse();
+        }
+        Rays {
+            arc,
+            seen,
+            first_hit: move |s: f64| self.first_hit(if is_reversed { 1.0 - s } else { s }),
+        }
+    }
 }
 
 impl Cell for LobeCell<'_> {

@@ -3,7 +3,9 @@
 mod bounce;
 mod cell;
 pub mod families;
+mod frames;
 pub mod line;
+mod met;
 pub mod packet;
 pub mod search;
 mod shadows;

@@ -19,7 +19,7 @@ use crate::paths::bounce::BounceEnd;
 use crate::paths::counts::Counts;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -55,6 +55,15 @@ pub fn on_part(search: &mut LobeSearch, at: &mut LaneSurface, way: &Way, part: &
     if search.has_sharp_shadows() {
         shadows::find(search, at, (way.weight, &point), line, &cells);
     }
+    let first = cells.first().map(|cell| cell.triangles()[0]);
+    let after = cells.iter().map(|cell| cell.triangles()[1]);
+    let seen: Vec<u32> = first.into_iter().chain(after).collect();
+    let probes = Probes {
+        stream: way.stream,
+        index: way.index,
+        weight: FAMILIES * way.weight,
+    };
+    chain::lobe::find(search, at, (line, &seen), &probes);
 }
 
 /// Finds what ends or bends in the cells of a part of a line.
@@ -67,9 +76,6 @@ fn silhouettes(
 ) {
     let (scene, here, line) = (search.scene, search.at, part.line);
     let from_here = FromHere { line, point };
-    let first = cells.first().map(|cell| cell.triangles()[0]);
-    let after = cells.iter().map(|cell| cell.triangles()[1]);
-    let seen: Vec<u32> = first.into_iter().chain(after).collect();
     let mut on_line = LineSearch::new(scene, &mut search.out.counts);
     let mut found = Vec::new();
     for (i, cell) in cells.iter().enumerate() {
@@ -100,12 +106,6 @@ fn silhouettes(
         let border = Border::seen(met.boundary);
         search.push(at, line, border, line.direction(psi), jump);
     }
-    let probes = Probes {
-        stream: way.stream,
-        index: way.index,
-        weight: FAMILIES * way.weight,
-    };
-    chain::lobe::find(search, at, (line, &seen), &probes);
 }
 
 /// The jump where a line crosses the plane of the triangle it starts on, which turns with the
@@ -152,7 +152,9 @@ fn look(
     let normal = from_lanes(&[point.geometric; LANES]);
     let x = from_lanes(&[point.x; LANES]);
     let start = Start {
-        rays: RayPacket::leaving(x, normal, from_lanes(directions), sides.active),
+        rays: scene
+            .view
+            .leaving(x, normal, from_lanes(directions), sides.active),
         depth: here.numbers.depth + 1,
         drifts: 0,
         with_emission: way.is_narrow,

@@ -4,9 +4,12 @@
 //! each that is hidden its shadow is followed to both of its ends.
 
 use super::cell::LobeCell;
+use super::frames;
 use super::line::{LaneSurface, Line};
+use super::met::{Met, SMALLEST_CHANCE};
 use super::vertex::{Border, FAMILIES, LobeSearch};
-use crate::boundary::cells::delta::follow::{Followed, Rays, ShadowEnd, follow};
+use crate::boundary::cells::delta::follow::{Followed, ShadowEnd, follow};
+use crate::boundary::cells::delta::receiver::Receiver;
 use crate::boundary::cells::delta::value::brought;
 use crate::boundary::cells::line_search::Cell;
 use crate::boundary::occlusion::SurfacePoint;
@@ -19,19 +22,6 @@ use crate::paths::rays::{RayPacket, from_lanes};
 use crate::paths::store::Vertices;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec3, Vec3};
-
-/// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
-const SMALLEST_CHANCE: f64 = 1e-3;
-
-/// The end of a shadow.
-struct Met {
-    shadow: Shadow,
-    boundary: Boundary,
-    direction: DVec3,
-    /// What the light's radiance is multiplied with: +1 if it is hidden beyond, −1 if before, over
-    /// the chance of finding it.
-    jump: f64,
-}
 
 /// Finds the ends of shadows on a line, or a part of one, of which these are the cells.
 pub fn find(
@@ -52,6 +42,7 @@ pub fn find(
     for (light, hidden) in on_line.hidden(counts).iter().enumerate() {
         all.extend(on_line.ends(light, hidden, counts));
     }
+    all.extend(frames::find(on_line.scene, line, cells, counts));
     for group in all.chunks(LANES) {
         let brought = on_line.brought(group, &mut search.out.counts);
         for (met, brought) in group.iter().zip(brought) {
@@ -97,7 +88,9 @@ struct OnLine<'a> {
 impl OnLine<'_> {
     fn rays(&self, directions: &[Vec3; LANES], active: u32) -> RayPacket {
         let [x, normal] = [self.point.x, self.point.geometric].map(|v| from_lanes(&[v; LANES]));
-        RayPacket::leaving(x, normal, from_lanes(directions), active)
+        self.scene
+            .view
+            .leaving(x, normal, from_lanes(directions), active)
     }
 
     /// For each light, at which of the line's points it is hidden from what is seen.
@@ -129,9 +122,18 @@ impl OnLine<'_> {
                 ..Vertices::default()
             };
             let surface = view.surface(&mut vertices);
-            for (light, hidden) in lights.iter().zip(&mut hidden) {
+            for (number, hidden) in hidden.iter_mut().enumerate() {
+                let light = &lights[number];
                 let sight = view.delta_sight(light, &vertices, &surface, &mut counts.bounce_cell);
-                hidden.extend((0..group.len()).map(|lane| sight.hidden >> lane & 1 == 1));
+                for (lane, &(d, seen)) in group.iter().enumerate() {
+                    hidden.push(if view.is_mixed(seen) {
+                        // What is met of it need not be what is lit.
+                        let receiver = Receiver::new(self.scene, number, seen);
+                        receiver.is_hidden(self.point.leave(d).as_dvec3(), d, counts)
+                    } else {
+                        sight.hidden >> lane & 1 == 1
+                    });
+                }
             }
         }
         hidden
@@ -175,6 +177,7 @@ impl OnLine<'_> {
             },
             boundary,
             direction: self.line.direction(psi),
+            looked_at: self.line.direction(psi),
             jump,
         })
     }
@@ -200,20 +203,8 @@ impl OnLine<'_> {
                 from = to;
                 continue;
             }
-            let cell = &self.cells[from.min(to)];
-            let is_reversed = step < 0;
-            let (mut arc, mut seen) = (cell.arc(), cell.triangles());
-            if is_reversed {
-                arc = arc.reversed();
-                seen.reverse();
-            }
-            let first_hit = |s: f64| cell.first_hit(if is_reversed { 1.0 - s } else { s });
-            let rays = Rays {
-                arc,
-                seen,
-                first_hit,
-            };
-            let place = |s: f64| self.line.psi_of(arc.direction(s));
+            let rays = self.cells[from.min(to)].rays(step < 0);
+            let place = |s: f64| self.line.psi_of(rays.arc.direction(s));
             match follow(self.scene, light, &rays, 1.0, counts) {
                 Followed::Shadow(end) => return Reach::Edge(end, place(end.s)),
                 Followed::Surface(s) => return Reach::Other(place(s)),
@@ -235,7 +226,7 @@ impl OnLine<'_> {
         let mut directions = [Vec3::Z; LANES];
         let [mut receivers, mut lights] = [[0; LANES]; 2];
         for (lane, met) in group.iter().enumerate() {
-            directions[lane] = met.direction.as_vec3();
+            directions[lane] = met.looked_at.as_vec3();
             receivers[lane] = met.shadow.receiver;
             lights[lane] = met.shadow.light;
         }

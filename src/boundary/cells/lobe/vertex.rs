@@ -8,7 +8,6 @@
 
 use super::line::{LaneSurface, Line};
 use crate::boundary::cells::chain::follow::normal_through;
-use crate::boundary::cells::delta::receiver;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
@@ -44,18 +43,13 @@ pub struct Border<'a> {
     pub chain: &'a [ChainVertex],
 }
 
-impl<'a> Border<'a> {
+impl Border<'_> {
     /// One that is seen.
     pub fn seen(boundary: Boundary) -> Self {
-        Self::through(boundary, &[])
-    }
-
-    /// One that is seen through a chain.
-    pub fn through(boundary: Boundary, chain: &'a [ChainVertex]) -> Self {
         Self {
             boundary,
             shadow: None,
-            chain,
+            chain: &[],
         }
     }
 }
@@ -91,23 +85,13 @@ impl LobeSearch<'_> {
         let geometry = self.scene.view.geometry;
         let x = vertices.position(geometry, lane);
         // The borders of what lines mostly miss cancel, if they move alike.
-        let (boundary, c) = match &shadow {
-            Some(shadow) => (
-                boundary,
-                receiver::normal(self.scene, &boundary, shadow, x, direction),
-            ),
-            None => {
-                let boundary = if chain.is_empty() && self.scene.is_small(&boundary, x) {
-                    line.family.of_point(boundary, geometry, x, direction)
-                } else {
-                    boundary
-                };
-                (
-                    boundary,
-                    normal_through(self.scene.view, chain, &boundary, x, direction),
-                )
-            }
+        let is_seen = chain.is_empty() && shadow.is_none();
+        let boundary = if is_seen && self.scene.is_small(&boundary, x) {
+            line.family.of_point(boundary, geometry, x, direction)
+        } else {
+            boundary
         };
+        let c = normal_through(self.scene.view, chain, (&boundary, shadow), x, direction);
         let (Some((local, value)), Some(weight)) = (
             at.value(direction),
             line.family.weight(&boundary, c, direction),
