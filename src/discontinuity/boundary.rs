@@ -41,8 +41,8 @@ pub enum Boundary {
         triangle: [u32; 3],
         ends: [[f64; 2]; 2],
     },
-    /// A plane of fixed direction, by its normal, through what rays go to: the border of the picture
-    /// of a projector, seen from where that falls.
+    /// A plane of fixed direction, by its normal, through what rays go to: the border of a light's
+    /// beam, seen from where that falls.
     Plane(DVec3),
 }
 

@@ -90,10 +90,10 @@ pub enum Discontinuity {
     SoftShadow,
     /// Shadows of delta lights.
     SharpShadow,
-    /// Where the picture of a projector ends.
-    PictureBorder,
-    /// Where the beam of a spot ends at once, or a picture in a beam jumps.
-    BeamEdge,
+    /// Where the picture of a projector ends, or the beam of a spot without a ramp.
+    BeamBorder,
+    /// Where a picture in a beam jumps.
+    JumpInBeam,
     /// What is seen in perfectly smooth reflections and refractions.
     Mirrored,
     /// What is seen behind surfaces that do nothing to light, and behind masks.
@@ -129,7 +129,7 @@ const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
     Discontinuity::Intersection,
     Discontinuity::TextureEdge,
     Discontinuity::SharpShadow,
-    Discontinuity::PictureBorder,
+    Discontinuity::BeamBorder,
     Discontinuity::Mirrored,
     Discontinuity::BehindNull,
     Discontinuity::ThroughLens,

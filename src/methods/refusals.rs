@@ -34,9 +34,9 @@ pub fn check(
     }
     let light_moves = request.delta_lights.iter().any(Option::is_some);
     let moves = request.moves_geometry() || request.refraction_moves(scene) || light_moves;
-    if moves && misses(Discontinuity::BeamEdge) {
+    if moves && misses(Discontinuity::JumpInBeam) {
         for light in &scene.delta_lights {
-            if let Some(what) = beam_edge(scene, light, misses(Discontinuity::PictureBorder)) {
+            if let Some(what) = beam_edge(scene, light, misses(Discontinuity::BeamBorder)) {
                 return refuse(what);
             }
         }
@@ -179,7 +179,7 @@ fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<S
             beam_width_rad,
             cutoff_rad,
             ..
-        } if beam_width_rad >= cutoff_rad => {
+        } if beam_width_rad >= cutoff_rad && misses_border => {
             "the beam ends at its cutoff; give it a \"beam_width\" smaller than \"cutoff_angle\""
         }
         BeamProfile::Spot {

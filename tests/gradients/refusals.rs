@@ -166,7 +166,8 @@ fn edges_of_beams() {
         cutoff_rad: 0.4,
         texture: None,
     });
-    refused(&sudden, "block.translation", &MOVED, "beam_width");
+    taken(&sudden, Method::Reparam, "block.translation", &MOVED);
+    refused_by(&sudden, Method::Edges, "block.translation", "beam_width");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::optimize::step::{Ranks, outcome};
 use crate::output::atomic;
 use crate::trace::Backend;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// How a run is run.

@@ -8,8 +8,8 @@
 use super::follow::{FirstRays, Followed};
 use super::search::{ChainSearch, Found, Run, Way};
 use crate::boundary::cells::delta::follow::{OverPlane, over_plane};
-use crate::boundary::cells::delta::frame::Frame;
 use crate::boundary::cells::delta::receiver::Receiver;
+use crate::boundary::cells::delta::rim::Rim;
 use crate::discontinuity::between::HALVINGS;
 use crate::discontinuity::boundary::Boundary;
 use crate::paths::boundary_sample::Shadow;
@@ -48,8 +48,8 @@ enum Between {
 }
 
 impl<R: FirstRays> ChainSearch<'_, R> {
-    /// Finds the ends of shadows on what is seen along chains, on each surface, and of the pictures of
-    /// projectors.
+    /// Finds the ends of shadows on what is seen along chains, on each surface, and of the beams of
+    /// lights.
     pub(super) fn delta_lights(&mut self, runs: &[Run], way: &Way) {
         let view = self.scene.view;
         let bends = way.bends.len() as u32;
@@ -60,8 +60,8 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         for run in runs {
             for light in 0..view.scene.delta_lights.len() {
                 self.of_light(run, light, way);
-                if let Some(frame) = Frame::of(&view.scene.delta_lights[light]) {
-                    self.frame_on(run, (light, &frame), way);
+                if let Some(rim) = Rim::of(&view.scene.delta_lights[light]) {
+                    self.rim_on(run, (light, &rim), way);
                 }
             }
         }

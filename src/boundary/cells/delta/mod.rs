@@ -6,6 +6,6 @@
 //! with the light for its origin (docs/method.md, 6).
 
 pub mod follow;
-pub mod frame;
 pub mod receiver;
+pub mod rim;
 pub mod value;

@@ -3,7 +3,7 @@
 pub mod cell;
 pub mod crowds;
 pub mod drift;
-mod frames;
+mod rims;
 pub mod search;
 mod shadow_border;
 mod shadows;

@@ -14,7 +14,7 @@
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
 use super::weights::{self, ROUNDS};
-use super::{frames, shadow_border, shadows, terminators};
+use super::{rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -73,7 +73,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let mut borders = Vec::new();
     shadows::find(&cells, &mut borders, &mut out.counts);
     terminators::find(&cells, &mut borders, &mut out.counts);
-    frames::find(&cells, &mut borders, &mut out.counts);
+    rims::find(&cells, &mut borders, &mut out.counts);
     shadow_border::add(&cells, &borders, out);
 }
 

@@ -18,7 +18,7 @@ pub const SMALLEST_CHANCE: f64 = 1e-3;
 /// How far beside a border the light is looked at, in pixels.
 const BESIDE_PIXELS: f64 = 1e-3;
 
-/// The border of a shadow, or of a projector's picture.
+/// The border of a shadow, or of a beam.
 pub struct Border {
     pub boundary: Boundary,
     pub shadow: Shadow,

@@ -4,11 +4,11 @@ use crate::discontinuity::boundary::Boundary;
 use crate::paths::boundary_sample::Shadow;
 use glam::DVec3;
 
-/// Shadows, and surfaces on which pictures end, are taken to be met with this chance at least: it
+/// Shadows, and surfaces on which beams end, are taken to be met with this chance at least: it
 /// bounds the weight of their ends.
 pub const SMALLEST_CHANCE: f64 = 1e-3;
 
-/// The end of a shadow, or of a projector's picture.
+/// The end of a shadow, or of a beam.
 pub struct Met {
     pub shadow: Shadow,
     pub boundary: Boundary,

@@ -3,10 +3,10 @@
 mod bounce;
 mod cell;
 pub mod families;
-mod frames;
 pub mod line;
 mod met;
 pub mod packet;
+mod rims;
 pub mod search;
 mod shadows;
 pub mod vertex;

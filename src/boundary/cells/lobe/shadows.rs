@@ -4,9 +4,9 @@
 //! each that is hidden its shadow is followed to both of its ends.
 
 use super::cell::LobeCell;
-use super::frames;
 use super::line::{LaneSurface, Line};
 use super::met::{Met, SMALLEST_CHANCE};
+use super::rims;
 use super::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::cells::delta::follow::{Followed, ShadowEnd, follow};
 use crate::boundary::cells::delta::receiver::Receiver;
@@ -42,7 +42,7 @@ pub fn find(
     for (light, hidden) in on_line.hidden(counts).iter().enumerate() {
         all.extend(on_line.ends(light, hidden, counts));
     }
-    all.extend(frames::find(on_line.scene, line, cells, counts));
+    all.extend(rims::find(on_line.scene, line, cells, counts));
     for group in all.chunks(LANES) {
         let brought = on_line.brought(group, &mut search.out.counts);
         for (met, brought) in group.iter().zip(brought) {

@@ -1,10 +1,10 @@
-//! Where the pictures of projectors end on what a vertex sees along a line over its lobe.
+//! Where the beams of lights end on what a vertex sees along a line over its lobe.
 
 use super::cell::LobeCell;
 use super::line::Line;
 use super::met::{Met, SMALLEST_CHANCE};
 use crate::boundary::cells::delta::follow::surface_end;
-use crate::boundary::cells::delta::frame::{Frame, on_surface};
+use crate::boundary::cells::delta::rim::{Rim, on_surface};
 use crate::boundary::occlusion::PROBE;
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::counts::Counts;
@@ -12,17 +12,17 @@ use crate::trace::geometry::NO_TRIANGLE;
 
 /// Those that move, in the cells of a line.
 pub fn find(scene: &SearchScene, line: &Line, cells: &[LobeCell], counts: &mut Counts) -> Vec<Met> {
-    let frames = Frame::all(&scene.view.scene.delta_lights);
+    let rims = Rim::all(&scene.view.scene.delta_lights);
     let mut met = Vec::new();
-    if frames.is_empty() {
+    if rims.is_empty() {
         return met;
     }
     for number in 0..cells.len() {
-        let search = FrameSearch {
+        let search = RimSearch {
             scene,
             line,
             cells,
-            frames: &frames,
+            rims: &rims,
         };
         if !search.starting_at(number, false, &mut met, counts) {
             search.starting_at(number, true, &mut met, counts);
@@ -31,14 +31,14 @@ pub fn find(scene: &SearchScene, line: &Line, cells: &[LobeCell], counts: &mut C
     met
 }
 
-struct FrameSearch<'a> {
+struct RimSearch<'a> {
     scene: &'a SearchScene<'a>,
     line: &'a Line,
     cells: &'a [LobeCell<'a>],
-    frames: &'a [(usize, Frame)],
+    rims: &'a [(usize, Rim)],
 }
 
-impl FrameSearch<'_> {
+impl RimSearch<'_> {
     /// Looks for them on what is seen at one end of a cell. Says whether the other sees it, too.
     fn starting_at(
         &self,
@@ -57,7 +57,7 @@ impl FrameSearch<'_> {
             return rays.seen[1] == NO_TRIANGLE;
         }
         let drifts = |_| self.cells[number].lane_moves;
-        let (end, found) = on_surface(self.scene, self.frames, &rays, drifts, counts);
+        let (end, found) = on_surface(self.scene, self.rims, &rays, drifts, counts);
         if found.is_empty() {
             return end >= 1.0;
         }

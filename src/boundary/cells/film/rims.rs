@@ -1,4 +1,4 @@
-//! Where the pictures of projectors end along the rows and columns of a tile's lattice.
+//! Where the beams of lights end along the rows and columns of a tile's lattice.
 //!
 //! Where that is on a surface is known without a search, so that all of it is found on surfaces that
 //! a point of the lattice sees.
@@ -6,14 +6,14 @@
 use super::cell::{LatticeCells, LatticeLine};
 use super::shadow_border::{Border, SMALLEST_CHANCE, between};
 use crate::boundary::cells::delta::follow::surface_end;
-use crate::boundary::cells::delta::frame::{Frame, on_surface};
+use crate::boundary::cells::delta::rim::{Rim, on_surface};
 use crate::paths::counts::Counts;
 use crate::trace::geometry::NO_TRIANGLE;
 
 /// Finds the borders that move.
 pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts) {
-    let frames = Frame::all(&cells.scene.view.scene.delta_lights);
-    if frames.is_empty() || !cells.scene.moving.anything() {
+    let rims = Rim::all(&cells.scene.view.scene.delta_lights);
+    if rims.is_empty() || !cells.scene.moving.anything() {
         return;
     }
     let tile = cells.film.tile;
@@ -21,8 +21,8 @@ pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts
         for number in 1..tile.points[1 - axis] - 1 {
             let line = LatticeLine { axis, number };
             for at in 0..tile.points[axis] as i64 - 1 {
-                if !from_point(cells, line, [at, at + 1], &frames, borders, counts) {
-                    from_point(cells, line, [at + 1, at], &frames, borders, counts);
+                if !from_point(cells, line, [at, at + 1], &rims, borders, counts) {
+                    from_point(cells, line, [at + 1, at], &rims, borders, counts);
                 }
             }
         }
@@ -35,7 +35,7 @@ fn from_point(
     cells: &LatticeCells,
     line: LatticeLine,
     [from, to]: [i64; 2],
-    frames: &[(usize, Frame)],
+    rims: &[(usize, Rim)],
     borders: &mut Vec<Border>,
     counts: &mut Counts,
 ) -> bool {
@@ -51,7 +51,7 @@ fn from_point(
         at
     };
     let drifts = |s: f64| cells.film.drifts(position(s));
-    let (end, found) = on_surface(scene, frames, &rays, drifts, counts);
+    let (end, found) = on_surface(scene, rims, &rays, drifts, counts);
     let mut chance = None;
     for found in found {
         let at = position(found.s);
