@@ -5,9 +5,7 @@ use super::estimators::{Discontinuity, Method};
 use crate::boundary::edges::intersections;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::scene_view::SceneView;
-use crate::scene::{
-    BeamProfile, Bsdf, DeltaLight, Layout, Lens, Mesh, Scene, SceneDifferential, Sensor,
-};
+use crate::scene::{BeamProfile, Bsdf, DeltaLight, Layout, Lens, Scene, SceneDifferential, Sensor};
 
 /// Refuses gradients that would be silently wrong: discontinuities that the method does not find.
 // Long: one refusal after another.
@@ -73,20 +71,10 @@ pub fn check(
                  moves would be wrong; use its rough variant with an alpha such as 0.01"
             ));
         }
-        let is_part =
-            |mesh: &Mesh| mesh.material != m && scene.parts_of(mesh.material).contains(&m);
-        let is_mixed = material.relief.is_some() || scene.meshes.iter().any(is_part);
-        if (is_smooth || is_null) && is_mixed && misses(Discontinuity::BehindMixture) {
+        if is_smooth && material.relief.is_some() && misses(Discontinuity::InRelief) {
             return refuse(format!(
-                "{key}: edges seen in a perfectly smooth surface, or behind a null one, that is blended, masked or given \
-                 a relief are not found, so gradients by what moves would be wrong; use a rough variant with an alpha such \
-                 as 0.01"
-            ));
-        }
-        if is_mask && is_mixed && misses(Discontinuity::BehindMixture) {
-            return refuse(format!(
-                "{key}: edges behind a mask that is part of a blend or of another mask are not found, so gradients by what \
-                 moves would be wrong; put the mask around all of it"
+                "{key}: edges seen in a perfectly smooth surface whose normals a picture turns are not found, so gradients \
+                 by what moves would be wrong; use its rough variant with an alpha such as 0.01"
             ));
         }
     }

@@ -10,19 +10,22 @@ use crate::kernels::bsdf::consistent_normal;
 use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
 use crate::kernels::smooth::smooth_ray;
 use crate::lanes::{Real, V3};
-use crate::paths::chain_vertex::{Bend, ChainVertex};
+use crate::paths::chain_vertex::{Bend, ChainVertex, Turn};
 use crate::paths::leaving::OFFSET;
 use crate::paths::scene_view::SceneView;
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::kinds::Kinds;
-use crate::paths::surface::materials::{ETA, OPACITY, SLOTS};
+use crate::paths::surface::materials::{ETA, Entry, SLOTS};
+use crate::paths::surface::parts::{Fraction, Part};
+use crate::paths::surface::texture::Lookup;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::{DVec3, Vec3};
 
 /// The texture of a vertex's index of refraction, if it has one.
 pub fn eta_texture(vertex: &ChainVertex, view: &SceneView) -> Option<usize> {
     let mesh = view.geometry.mesh_of_triangle[vertex.triangle as usize] as usize;
-    let entry = view.materials.of_mesh(view.scene, mesh);
+    let material = view.scene.meshes[mesh].material;
+    let entry = view.materials.entry_of_part(material, vertex.turn.part);
     let eta = entry.slots.iter().find(|(slot, _)| *slot == ETA);
     eta.filter(|_| vertex.is_refracted())
         .map(|&(_, texture)| texture)
@@ -80,7 +83,6 @@ pub struct Meeting<'a> {
     view: &'a SceneView<'a>,
     triangle: u32,
     direction: DVec3,
-    kinds: Kinds,
     from_front: bool,
     pub x: DVec3,
     n: DVec3,
@@ -114,25 +116,11 @@ impl<'a> Meeting<'a> {
         if is_shaded(geometry, triangle) {
             n = dvec3(consistent_normal(vector(n), vector(d)));
         }
-        let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
-        let entry = view.materials.of_mesh(view.scene, mesh);
-        let mut kinds = entry.kinds;
-        let is_back = facing < 0.0;
-        if is_back && !entry.two_sided && (kinds.dielectric | kinds.null | kinds.masked) == 0 {
-            kinds = Kinds {
-                black: 1,
-                ..Kinds::default()
-            };
-        }
-        if is_back && kinds.dielectric != 0 && kinds.thin == 0 {
-            kinds.inside = u32::MAX;
-        }
         Some(Self {
             view,
             triangle,
             direction: d,
-            kinds,
-            from_front: !is_back,
+            from_front: facing > 0.0,
             x: p + e1 * b[0] + e2 * b[1],
             n,
             geometric,
@@ -140,88 +128,136 @@ impl<'a> Meeting<'a> {
         })
     }
 
-    /// Whether a chain goes on from here.
-    pub fn is_smooth(&self) -> bool {
-        self.kinds.in_chains() != 0
+    /// The materials that are met, if they are several.
+    fn parts(&self) -> &[Part] {
+        self.view.materials.parts(self.material())
     }
 
-    /// What it may do with the ray, with the chance of each, which add up to one at most; `None` if
-    /// the path may end here, too, and light is scattered diffusely. A mean over places is taken of
+    fn material(&self) -> usize {
+        let mesh = self.view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
+        self.view.scene.meshes[mesh].material
+    }
+
+    fn entry(&self, part: u16) -> &Entry {
+        let materials = self.view.materials;
+        materials.entry_of_part(self.material(), part)
+    }
+
+    /// What kind it is on this side.
+    fn kinds(&self, part: u16) -> Kinds {
+        let entry = self.entry(part);
+        let mut kinds = entry.kinds;
+        if !self.from_front && !entry.two_sided && (kinds.dielectric | kinds.null) == 0 {
+            kinds = Kinds {
+                black: 1,
+                ..Kinds::default()
+            };
+        }
+        if !self.from_front && kinds.dielectric != 0 && kinds.thin == 0 {
+            kinds.inside = u32::MAX;
+        }
+        kinds
+    }
+
+    /// Whether a chain goes on from here.
+    pub fn is_smooth(&self) -> bool {
+        let is_seen_in = |part: u16| self.kinds(part).in_chains() != 0;
+        match self.parts().len() {
+            0 => is_seen_in(0),
+            count => (0..count as u16).any(is_seen_in),
+        }
+    }
+
+    /// Calls `each` with what may become of the ray, and about the chance of it; these add up to
+    /// less than one where light is scattered otherwise, too. A mean over places is taken of
     /// chances, so they need not be those with which paths choose.
-    pub fn chances(&self) -> [(Bend, f64); 2] {
-        let none = |bend| [(bend, 1.0), (Bend::Refracted, 0.0)];
-        if self.kinds.null != 0 {
-            return none(Bend::Straight);
+    pub fn for_each_turn(&self, mut each: impl FnMut(Turn, f64)) {
+        let mut of_part = |part: u16, met: f64| {
+            for (bend, chance) in self.bends(part).into_iter().flatten() {
+                each(Turn { part, bend }, met * chance);
+            }
+        };
+        if self.parts().is_empty() {
+            of_part(0, 1.0);
         }
-        if self.kinds.masked != 0 {
-            // Between the rays may be holes, where they see none.
-            let passing = (1.0 - self.opacity()).max(LEAST_CHANCE);
-            return [(Bend::Straight, passing), (Bend::Reflected, 0.0)];
+        for (number, part) in self.parts().iter().enumerate() {
+            if part.is_there {
+                // Between the rays a mixture may be another, of which they see nothing.
+                let fraction = self.fraction(number as u16);
+                of_part(number as u16, fraction.max(LEAST_CHANCE));
+            }
         }
-        if self.kinds.conductor != 0 {
-            return none(Bend::Reflected);
+    }
+
+    /// What one of the materials may do with it, with the chance of each.
+    fn bends(&self, part: u16) -> [Option<(Bend, f64)>; 2] {
+        let kinds = self.kinds(part);
+        if kinds.in_chains() == 0 {
+            return [None; 2];
         }
-        let onward = self.onward();
-        let reflected = self
-            .bent(Bend::Reflected)
-            .map_or(0.0, |(_, w)| w.max_element());
-        let refracted = if self.kinds.dielectric != 0 {
-            self.bent(onward).map_or(0.0, |(_, w)| w.max_element())
+        if kinds.null != 0 {
+            return [Some((Bend::Straight, 1.0)), None];
+        }
+        if kinds.conductor != 0 {
+            return [Some((Bend::Reflected, 1.0)), None];
+        }
+        let onward = if kinds.thin != 0 {
+            Bend::Straight
+        } else {
+            Bend::Refracted
+        };
+        let weight = |bend| {
+            self.scattered(part, bend)
+                .map_or(0.0, |(_, w)| w.max_element())
+        };
+        let reflected = weight(Bend::Reflected);
+        let other = if kinds.dielectric != 0 {
+            weight(onward)
         } else {
             // A plastic's diffuse part.
             1.0 - reflected
         };
-        let sum = (reflected + refracted).max(1e-9);
-        let [a, b] = [reflected, refracted].map(|w| w / sum);
-        if self.kinds.plastic != 0 {
-            return [
-                (Bend::Reflected, a.max(LEAST_CHANCE)),
-                (Bend::Refracted, 0.0),
-            ];
+        let sum = (reflected + other).max(1e-9);
+        let [a, b] = [reflected, other].map(|w| w / sum);
+        if kinds.plastic != 0 {
+            return [Some((Bend::Reflected, a.max(LEAST_CHANCE))), None];
         }
-        [(Bend::Reflected, a), (onward, b)]
-    }
-
-    /// What glass does with the ray that it does not reflect.
-    fn onward(&self) -> Bend {
-        if self.kinds.thin != 0 {
-            Bend::Straight
-        } else {
-            Bend::Refracted
-        }
+        [Some((Bend::Reflected, a)), Some((onward, b))]
     }
 
     /// The unit direction in which it goes on, and what the radiance from there is multiplied with;
-    /// `None` where nothing is refracted.
-    pub fn bent(&self, bend: Bend) -> Option<(DVec3, DVec3)> {
+    /// `None` where nothing does so.
+    pub fn bent(&self, turn: Turn) -> Option<(DVec3, DVec3)> {
+        let (next, weight) = self.scattered(turn.part, turn.bend)?;
+        Some((next, weight * self.fraction(turn.part)))
+    }
+
+    /// The same if all of the surface were that material.
+    fn scattered(&self, part: u16, bend: Bend) -> Option<(DVec3, DVec3)> {
+        let kinds = self.kinds(part);
         let does = match bend {
-            Bend::Reflected => self.kinds.conductor | self.kinds.dielectric | self.kinds.plastic,
-            Bend::Refracted => self.kinds.dielectric & !self.kinds.thin,
-            Bend::Straight => self.kinds.null | self.kinds.thin | self.kinds.masked,
+            Bend::Reflected => kinds.conductor | kinds.dielectric | kinds.plastic,
+            Bend::Refracted => kinds.dielectric & !kinds.thin,
+            Bend::Straight => kinds.null | kinds.thin,
         };
-        if does == 0 || !self.is_smooth() {
+        if does == 0 || kinds.in_chains() == 0 {
             return None;
-        }
-        if self.kinds.masked != 0 {
-            let passing = DVec3::splat(1.0 - self.opacity());
-            return Some((self.direction.normalize(), passing));
         }
         let lobes = LobeMasks {
             is_diffuse: false,
             is_reflected: bend == Bend::Reflected,
             // The kernel knows what a pane lets through as refracted.
-            is_refracted: bend == Bend::Refracted
-                || (bend == Bend::Straight && self.kinds.thin != 0),
+            is_refracted: bend == Bend::Refracted || (bend == Bend::Straight && kinds.thin != 0),
             is_coat: false,
         };
         let (next, weight) = bsdf_sample::<f64>(
             vector(self.n),
             vector(self.direction),
             vector(DVec3::Z),
-            self.interface(),
+            self.interface(part),
             RoughTransmission::none(),
             lobes,
-            self.kinds.masks_of_lane(0),
+            kinds.masks_of_lane(0),
         );
         let (next, weight) = (dvec3(next), dvec3(weight));
         let passes = bend != Bend::Refracted || weight != DVec3::ZERO;
@@ -240,10 +276,10 @@ impl<'a> Meeting<'a> {
     }
 
     /// As it stands in a chain.
-    pub fn vertex(&self, bend: Bend) -> ChainVertex {
+    pub fn vertex(&self, turn: Turn) -> ChainVertex {
         ChainVertex {
             triangle: self.triangle,
-            bend,
+            turn,
             from_front: self.from_front,
         }
     }
@@ -254,35 +290,33 @@ impl<'a> Meeting<'a> {
         self.x + self.geometric * (step * self.geometric.dot(direction).signum())
     }
 
-    /// How much of a mask is there.
-    fn opacity(&self) -> f64 {
-        let mut opacity = 1.0;
-        self.for_each_slot(|slot, value| {
-            if slot == OPACITY {
-                opacity = f64::from(value.x);
-            }
-        });
-        opacity
+    /// How much of the surface is that material here.
+    fn fraction(&self, part: u16) -> f64 {
+        let value = |f: &Fraction| f64::from(f.value(&self.look_up(f.texture)));
+        let part = self.parts().get(usize::from(part));
+        part.map_or(1.0, |part| part.fractions.iter().map(value).product())
     }
 
-    fn for_each_slot(&self, mut each: impl FnMut(usize, Vec3)) {
+    fn look_up(&self, texture: usize) -> Lookup {
         let b = self.b.map(|b| b as f32);
-        let (scene, geometry) = (self.view.scene, self.view.geometry);
-        let mesh = geometry.mesh_of_triangle[self.triangle as usize] as usize;
-        for &(slot, texture) in &self.view.materials.of_mesh(scene, mesh).slots {
-            let (lookup, _) = texture_at(scene, geometry, texture, self.triangle, b);
-            each(slot, lookup.value);
-        }
+        texture_at(
+            self.view.scene,
+            self.view.geometry,
+            texture,
+            self.triangle,
+            b,
+        )
+        .0
     }
 
-    fn interface(&self) -> Interface<f64> {
+    fn interface(&self, part: u16) -> Interface<f64> {
         let mut slots = [Vec3::ZERO; SLOTS];
         slots[ETA] = Vec3::splat(1.5);
-        self.for_each_slot(|slot, value| {
+        for &(slot, texture) in &self.entry(part).slots {
             if slot < SLOTS {
-                slots[slot] = value;
+                slots[slot] = self.look_up(texture).value;
             }
-        });
+        }
         let [reflectance, second_reflectance, eta, k, alpha] = slots.map(|v| v.as_dvec3());
         Interface {
             reflectance: vector(reflectance),

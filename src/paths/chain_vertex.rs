@@ -10,11 +10,20 @@ pub enum Bend {
     Straight,
 }
 
+/// What becomes of a ray at a surface: which of the materials that this is made of it meets, and
+/// what that does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// Its number among them; 0 where there is one.
+    pub part: u16,
+    pub bend: Bend,
+}
+
 /// A smooth surface that a chain meets.
 #[derive(Clone, Copy, Debug)]
 pub struct ChainVertex {
     pub triangle: u32,
-    pub bend: Bend,
+    pub turn: Turn,
     /// Whether the ray comes from the side to which the shading normal points.
     pub from_front: bool,
 }
@@ -34,10 +43,10 @@ impl ChainVertex {
     }
 
     pub fn is_reflected(&self) -> bool {
-        self.bend == Bend::Reflected
+        self.turn.bend == Bend::Reflected
     }
 
     pub fn is_refracted(&self) -> bool {
-        self.bend == Bend::Refracted
+        self.turn.bend == Bend::Refracted
     }
 }

@@ -29,6 +29,7 @@ mod refusals;
 mod second_estimator;
 mod see_through;
 mod sharp_shadows_seen;
+mod smooth_in_mixtures;
 mod spots;
 mod standard_errors;
 mod transposition;

@@ -25,8 +25,8 @@ pub struct Kinds {
     pub null: u32,
     /// Of the dielectric ones, panes.
     pub thin: u32,
-    /// Masks through which something is seen. Chains alone meet these; paths meet their parts.
-    pub masked: u32,
+    /// Mixtures in parts of which something is seen. Chains alone meet these; paths meet their parts.
+    pub mixed: u32,
     pub principled: u32,
     /// Rough metal and glass whose roughness depends on the direction.
     pub grained: u32,
@@ -59,7 +59,7 @@ impl Kinds {
 
     /// Lanes that see the world along a deterministic map of the ray, at least in part.
     pub fn in_chains(&self) -> u32 {
-        self.smooth | self.null | self.masked
+        self.smooth | self.null | self.mixed
     }
 
     /// Lanes with a lobe too narrow for light samples: lights are seen in it along bounces alone.

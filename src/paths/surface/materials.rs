@@ -25,8 +25,6 @@ pub const FLATNESS: usize = 13;
 pub const CLEARCOAT: usize = 14;
 pub const CLEARCOAT_GLOSS: usize = 15;
 pub const ALL_SLOTS: usize = 16;
-/// That of masks, which go to no kernel.
-pub const OPACITY: usize = ALL_SLOTS;
 
 /// Rough conductors and plastics this rough or rougher are also lit by light samples, and their
 /// lobes differentiated in the lights' coordinates. Narrower lobes see lights along their
@@ -85,6 +83,13 @@ impl MaterialTable {
         let parts: Vec<Vec<Part>> = (0..scene.materials.len())
             .map(|m| parts(scene, m))
             .collect();
+        for (material, parts) in parts.iter().enumerate() {
+            let is_seen_in =
+                |part: &Part| part.is_there && entries[part.entry].kinds.in_chains() != 0;
+            if parts.iter().any(is_seen_in) {
+                entries[material].kinds.mixed = u32::MAX;
+            }
+        }
         let of_mesh = |material: usize| match parts[material].as_slice() {
             [] => vec![material],
             parts => parts.iter().map(|p| p.entry).collect(),
@@ -117,6 +122,14 @@ impl MaterialTable {
     /// That of a mesh; of one that is made of several nothing that rays go through.
     pub fn of_mesh(&self, scene: &Scene, mesh: usize) -> &Entry {
         self.entry(scene.meshes[mesh].material)
+    }
+
+    /// One of the things that a material is made of; the material itself if it is one thing.
+    pub fn entry_of_part(&self, material: usize, part: u16) -> &Entry {
+        match self.parts[material].get(usize::from(part)) {
+            Some(part) => self.entry(part.entry),
+            None => self.entry(material),
+        }
     }
 
     /// What a material is made of; empty if it is one thing.
@@ -235,15 +248,8 @@ fn entry(scene: &Scene, bsdf: &Bsdf) -> Entry {
             }
         }
         Bsdf::Null => kinds.null = ALL,
-        // Paths meet what is nested; chains go through the rest.
-        Bsdf::Mask { opacity, .. } => {
-            if least(scene, opacity) < 1.0 {
-                kinds.masked = ALL;
-                set(OPACITY, opacity);
-            }
-        }
-        // Never met: its parts are.
-        Bsdf::Blend { .. } => {}
+        // Never met: their parts are.
+        Bsdf::Mask { .. } | Bsdf::Blend { .. } => {}
     }
     let mut transmission = None;
     match rough {

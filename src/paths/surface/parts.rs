@@ -9,6 +9,23 @@ pub struct Part {
     pub entry: usize,
     /// Its fraction is the product of these.
     pub fractions: Vec<Fraction>,
+    /// Whether there is any of it.
+    pub is_there: bool,
+}
+
+impl Part {
+    fn new(scene: &Scene, entry: usize, fractions: &[Fraction]) -> Self {
+        let is_nothing = |f: &Fraction| {
+            let none = if f.is_rest { 1.0 } else { 0.0 };
+            let mut texels = scene.textures[f.texture].texels.iter();
+            texels.all(|t| t[0] == none)
+        };
+        Self {
+            entry,
+            fractions: fractions.to_vec(),
+            is_there: !fractions.iter().any(is_nothing),
+        }
+    }
 }
 
 /// What a texture says of a mixture of two.
@@ -45,10 +62,7 @@ fn collect(scene: &Scene, material: usize, way: &mut Vec<Fraction>, out: &mut Ve
         Bsdf::Mask { opacity, nested } => (opacity, [None, Some(nested)]),
         Bsdf::Blend { weight, nested } => (weight, nested.map(Some)),
         _ => {
-            out.push(Part {
-                entry: material,
-                fractions: way.clone(),
-            });
+            out.push(Part::new(scene, material, way));
             return;
         }
     };
@@ -56,11 +70,8 @@ fn collect(scene: &Scene, material: usize, way: &mut Vec<Fraction>, out: &mut Ve
         way.push(Fraction { texture, is_rest });
         match nested {
             Some(nested) => collect(scene, nested, way, out),
-            None => out.push(Part {
-                // What is not there stands behind all others.
-                entry: scene.materials.len(),
-                fractions: way.clone(),
-            }),
+            // What is not there stands behind all others.
+            None => out.push(Part::new(scene, scene.materials.len(), way)),
         }
         way.pop();
     }

@@ -4,7 +4,7 @@ use super::follow::{FirstRays, Followed};
 use super::search::{ChainSearch, Points, Run, Way};
 use crate::discontinuity::between::HALVINGS;
 use crate::paths::chain::LEAST_CHANCE;
-use crate::paths::chain_vertex::Bend;
+use crate::paths::chain_vertex::Turn;
 
 /// The chance with which chains go on that are as long as paths which roulette may end. Less than that
 /// of paths: each look along a chain follows all of it anew.
@@ -84,28 +84,37 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 chance: here.met,
             };
         }
-        let chances = rays.iter().filter_map(|ray| ray.meeting(view));
-        let chances: Vec<_> = chances.map(|m| m.chances()).collect();
-        let mean = |i: usize| chances.iter().map(|c| c[i].1).sum::<f64>() / chances.len() as f64;
-        let bends = [0, 1].map(|i| chances[0][i].0);
-        let [mut chance, mut other] = [mean(0), mean(1)];
-        if self.splits_first && number == 0 {
-            for (bend, chance) in bends.into_iter().zip([chance, other]) {
-                if chance > 0.0 {
-                    self.follow(rays.clone(), &here, bend, 1.0);
+        // The mean chance of what any of them does.
+        let mut turns: Vec<(Turn, f64)> = Vec::new();
+        let share = 1.0 / rays.len() as f64;
+        for meeting in rays.iter().filter_map(|ray| ray.meeting(view)) {
+            meeting.for_each_turn(|turn, chance| {
+                match turns.iter_mut().find(|(known, _)| *known == turn) {
+                    Some((_, sum)) => *sum += share * chance,
+                    None => turns.push((turn, share * chance)),
                 }
+            });
+        }
+        turns.retain(|(_, chance)| *chance > 0.0);
+        if self.splits_first && number == 0 {
+            for (turn, _) in turns {
+                self.follow(rays.clone(), &here, turn, 1.0);
             }
             return;
         }
-        if chance > 0.0 && other > 0.0 {
-            chance = (chance / (chance + other)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE);
-            other = 1.0 - chance;
-        }
-        let random = self.draw();
-        if random < chance {
-            self.follow(rays, &here, bends[0], chance);
-        } else if random < chance + other {
-            self.follow(rays, &here, bends[1], other);
+        let least = |chance: f64| match turns.len() {
+            1 => chance,
+            _ => chance.max(LEAST_CHANCE),
+        };
+        let sum: f64 = turns.iter().map(|(_, chance)| least(*chance)).sum();
+        let mut left = self.draw();
+        for &(turn, chance) in &turns {
+            let chance = least(chance) / sum.max(1.0);
+            if left < chance {
+                self.follow(rays, &here, turn, chance);
+                return;
+            }
+            left -= chance;
         }
     }
 
@@ -135,11 +144,11 @@ impl<R: FirstRays> ChainSearch<'_, R> {
     }
 
     /// Follows rays that are bent so, which is done with this chance.
-    fn follow(&mut self, rays: Vec<Followed>, way: &Way, bend: Bend, chance: f64) {
+    fn follow(&mut self, rays: Vec<Followed>, way: &Way, turn: Turn, chance: f64) {
         let view = self.scene.view;
         let number = way.bends.len() as u32;
         let mut next = way.clone();
-        next.bends.push(bend);
+        next.bends.push(turn);
         next.inverse_chance /= chance;
         if self.depth + number + 1 >= view.limits.rr_depth {
             let brightest = rays.iter().map(|ray| ray.weight.max_element());
@@ -151,10 +160,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             }
             next.inverse_chance /= survives;
         }
-        for rays in self.where_bent(rays, bend, way) {
+        for rays in self.where_bent(rays, turn, way) {
             let rays = rays.into_iter();
             let on: Vec<_> = rays
-                .filter_map(|ray| ray.on(view, bend, self.counts))
+                .filter_map(|ray| ray.on(view, turn, self.counts))
                 .collect();
             if on.len() > 1 {
                 self.waiting.push((on, next.clone()));
@@ -164,9 +173,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
 
     /// The parts of a run in which what it sees bends rays so: beyond the angle of total reflection
     /// nothing is refracted.
-    fn where_bent(&mut self, rays: Vec<Followed>, bend: Bend, way: &Way) -> Vec<Vec<Followed>> {
+    fn where_bent(&mut self, rays: Vec<Followed>, turn: Turn, way: &Way) -> Vec<Vec<Followed>> {
         let view = self.scene.view;
-        let passes = |ray: &Followed| ray.meeting(view).is_some_and(|m| m.bent(bend).is_some());
+        let passes = |ray: &Followed| ray.meeting(view).is_some_and(|m| m.bent(turn).is_some());
         let mut parts: Vec<Vec<Followed>> = vec![Vec::new()];
         let mut last: Option<(Followed, bool)> = None;
         for ray in rays {

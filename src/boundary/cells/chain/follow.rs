@@ -7,7 +7,7 @@ use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
 use crate::paths::boundary_sample::Shadow;
 use crate::paths::chain::{Meeting, through};
-use crate::paths::chain_vertex::{Bend, ChainVertex};
+use crate::paths::chain_vertex::{ChainVertex, Turn};
 use crate::paths::counts::Counts;
 use crate::paths::light::delta::toward;
 use crate::paths::scene_view::SceneView;
@@ -70,7 +70,7 @@ impl Followed {
         view: &SceneView,
         rays: &impl FirstRays,
         s: f64,
-        bends: &[Bend],
+        bends: &[Turn],
         counts: &mut Counts,
     ) -> Option<Self> {
         let (o, d) = rays.ray(s);
@@ -80,7 +80,7 @@ impl Followed {
         let first = Self::first(rays, s, triangle);
         bends
             .iter()
-            .try_fold(first, |ray, &bend| ray.on(view, bend, counts))
+            .try_fold(first, |ray, &turn| ray.on(view, turn, counts))
     }
 
     /// What it meets.
@@ -89,11 +89,11 @@ impl Followed {
     }
 
     /// The same beyond what it meets.
-    pub fn on(mut self, view: &SceneView, bend: Bend, counts: &mut Counts) -> Option<Self> {
+    pub fn on(mut self, view: &SceneView, turn: Turn, counts: &mut Counts) -> Option<Self> {
         let meeting = self.meeting(view)?;
-        let (direction, weight) = meeting.bent(bend)?;
-        self.chain.push(meeting.vertex(bend));
-        self.leaks = meeting.leaks(bend, direction);
+        let (direction, weight) = meeting.bent(turn)?;
+        self.chain.push(meeting.vertex(turn));
+        self.leaks = meeting.leaks(turn.bend, direction);
         self.origin = meeting.leave(direction);
         self.direction = direction;
         self.weight *= weight;

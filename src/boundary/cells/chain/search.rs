@@ -9,7 +9,7 @@ use super::follow::{FirstRays, Followed};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::Boundary;
 use crate::paths::boundary_sample::Shadow;
-use crate::paths::chain_vertex::{Bend, ChainVertex};
+use crate::paths::chain_vertex::{ChainVertex, Turn};
 use crate::paths::counts::Counts;
 use glam::DVec3;
 
@@ -79,7 +79,7 @@ pub(super) enum Points {
 /// How a chain came about.
 #[derive(Clone)]
 pub(super) struct Way {
-    pub bends: Vec<Bend>,
+    pub bends: Vec<Turn>,
     /// One over the chance of these bends.
     pub inverse_chance: f64,
     pub points: Points,
