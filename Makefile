@@ -10,7 +10,7 @@ DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
 comma = ,
 
-.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures study test-bare-debian
+.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures study cornell test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
@@ -22,6 +22,7 @@ help:
 	@echo "make bench-backends Embree against obvhs, on this machine, into out/bench"
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
 	@echo "make study          every method on the failure battery: docs/stability.md, and charts into out/study (minutes)"
+	@echo "make cornell        smooth and rough balls in a Cornell box: docs/cornell.md (minutes)"
 	@echo "make test-bare-debian  make demo and make test on a bare Debian 12 and a bare Debian 13, in chroots (long)"
 	@echo "make deps           only install what the others need"
 
@@ -69,6 +70,11 @@ study: deps
 	rm -f out/study/study.jsonl
 	$(CARGO_RUN) study scenes/failures/study.toml -o out/study --report docs/stability.md
 	cp out/study/summary.svg docs/pictures/battery.svg
+
+cornell: deps
+	$(BUILD)
+	rm -f out/cornell/study.jsonl
+	$(CARGO_RUN) study scenes/cornell/study.toml -o out/cornell --report docs/cornell.md
 
 test-bare-debian:
 	scripts/test-bare-debian
