@@ -116,7 +116,7 @@ impl Cone {
         self.to_local.transpose() * (DVec3::Z - p.normalize() * self.cos_cutoff)
     }
 
-    /// z² = cos² p² along p = from + t along, on the axis's side of the light or on the other.
+    /// z² = cos² p² along p = from + t along, before the light: cutoffs are below 90 degrees.
     fn crossings(&self, ends: [DVec3; 2]) -> Vec<Crossing> {
         let [from, to] = ends.map(|p| self.to_local * p);
         let along = to - from;
@@ -132,7 +132,7 @@ impl Cone {
         let crossing = |at: f64| {
             let p = from + along * at;
             let normal = self.normal(p);
-            let is_there = (0.0..1.0).contains(&at) && p.z * self.cos_cutoff > 0.0;
+            let is_there = (0.0..1.0).contains(&at) && p.z > 0.0;
             is_there.then_some(Crossing {
                 boundary: Boundary::Plane(normal),
                 at,
