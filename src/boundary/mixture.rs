@@ -12,7 +12,9 @@ use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::Found;
 use crate::paths::estimator::{BoundaryEstimator, FilmTile, LightDraw, WholeFilm};
 use crate::paths::film::drift::Drift;
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
+use crate::paths::scene_view::SceneView;
 
 /// What finds what.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,6 +79,13 @@ impl BoundaryEstimator for Mixed<'_> {
         match self.mixture.film {
             OnFilm::Drifting => self.cells.drift(film),
             OnFilm::Resting | OnFilm::Edges => None,
+        }
+    }
+
+    fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {
+        match self.mixture.lobes {
+            OverLobes::Cells => self.cells.lobe_drift(view),
+            OverLobes::Edges => None,
         }
     }
 

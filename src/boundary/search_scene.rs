@@ -4,6 +4,7 @@ use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::discontinuity::pieces::Pieces;
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 use glam::DVec3;
@@ -19,6 +20,7 @@ pub struct SearchScene<'a> {
     pub view: &'a SceneView<'a>,
     pub adjacency: &'a Adjacency,
     pub moving: &'a Moving,
+    pub lobe_drift: Option<&'a LobeDrift>,
     /// Filled in when first asked for.
     pub found_pieces: &'a OnceLock<Pieces>,
 }

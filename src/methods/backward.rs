@@ -20,7 +20,6 @@ use crate::gradient::terms::Terms;
 use crate::lanes::{LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
 use crate::paths::counts::Counts;
-use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::{Block, Taps, gather_point, gather_row};
 use crate::paths::film::tile::TracedTile;
 use crate::paths::integrator::Integrator;
@@ -120,6 +119,7 @@ fn sweep_tiles(
         view: &view,
         wanted,
         drift: drift.as_ref(),
+        lobe_drift: estimator.lobe_drift(&view),
         filter_follows: estimator.warp().is_some_and(Warp::filter_follows),
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
@@ -169,27 +169,25 @@ fn sweep_tiles(
             counts += tile_counts;
         },
     )?;
-    if let Some(drift) = &drift {
+    if drift.is_some() || sweep.lobe_drift.is_some() {
         let scratch = TileSums::new(scene, geometry, wanted);
-        counts.gradient_not_finite += add_drift(&sweep, drift, &mut swept.sums, scratch);
+        counts.gradient_not_finite += add_followed(&sweep, &mut swept.sums, scratch);
     }
     statistics.add_counts(&counts);
     clock.stop(statistics);
     Ok(swept)
 }
 
-/// Hands what the groups have collected at the drift's nodes to the points that these follow.
-/// Returns how much of it was not finite.
-fn add_drift(
-    sweep: &BackwardSweep,
-    drift: &Drift,
-    groups: &mut [FilmSums],
-    mut scratch: TileSums,
-) -> u64 {
+/// Hands what the groups have collected at the drift's nodes and for bodies to the points that
+/// these follow. Returns how much of it was not finite.
+fn add_followed(sweep: &BackwardSweep, groups: &mut [FilmSums], mut scratch: TileSums) -> u64 {
     let mut not_finite = 0;
     for sums in groups {
+        for (body, bar) in std::mem::take(&mut sums.bodies) {
+            sweep.add_body(body, bar, &mut scratch);
+        }
         for (node, bar) in std::mem::take(&mut sums.drift) {
-            for followed in &drift.followed[node] {
+            for followed in sweep.drift.iter().flat_map(|drift| &drift.followed[node]) {
                 let bar = bar.map(|b| b * followed.share);
                 sweep.add_followed(followed, bar, &mut scratch);
             }

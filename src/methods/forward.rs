@@ -55,7 +55,7 @@ pub fn forward(
         drift: drift.as_ref(),
         twin: 0,
     };
-    let sweep = ForwardSweep::new(&view, &motion);
+    let sweep = ForwardSweep::new(&view, &motion, estimator.lobe_drift(&view));
     let filter_follows = estimator.warp().is_some_and(Warp::filter_follows);
     let velocity = drift
         .as_ref()
@@ -77,7 +77,7 @@ pub fn forward(
                 view: &view,
                 ..integrator
             };
-            let sweep = ForwardSweep::new(&view, &motion);
+            let sweep = ForwardSweep::new(&view, &motion, estimator.lobe_drift(&view));
             let mut traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
             let start = clock.add_tracing(start);
             let mut image = Block::new(&stage.filter, &traced.tile);

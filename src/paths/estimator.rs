@@ -16,6 +16,7 @@ use crate::paths::boundary_sample::Found;
 use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::{Lattice, LatticeImage, Tile};
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 use crate::paths::warp::seam::Warp;
@@ -43,6 +44,11 @@ pub trait BoundaryEstimator: Sync {
     /// The velocity field that carries the film's samples, before any of them is traced; `None`
     /// where they rest.
     fn drift(&self, _film: &WholeFilm) -> Option<Drift> {
+        None
+    }
+
+    /// The velocity field that carries bounces of diffuse lobes; `None` where they rest.
+    fn lobe_drift(&self, _view: &SceneView) -> Option<&LobeDrift> {
         None
     }
 

@@ -11,7 +11,7 @@ use crate::paths::bounce::{Bounce, BounceEnd};
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::film::drift::Drift;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, lane_mask};
+use crate::paths::rays::{RayPacket, lane_mask, lane_of};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
@@ -314,9 +314,40 @@ impl Integrator<'_> {
         if let Some(between) = between {
             next.active &= between.count(next.direction);
         }
+        self.drift_over_lobe(path, vertices, surface, next.direction, numbers);
         path.rays = next;
         path.throughput = vertices.throughput.times(vertices.weight) * (vertices.survival * rim);
         path.coherence = Coherence::Incoherent;
+    }
+
+    /// Says which lanes' bounces drift, and has what they meet move if they do.
+    fn drift_over_lobe(
+        &self,
+        path: &mut Path,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        direction: V3<Lane>,
+        numbers: &Numbers,
+    ) {
+        // What the last bounces find are lights, which have coordinates of their own, and an even
+        // sky.
+        let at_last = numbers.depth + 2 >= self.view.limits.max_depth;
+        let Some(drift) = self.estimator.lobe_drift(self.view).filter(|_| !at_last) else {
+            return;
+        };
+        let is_plain = !(vertices.kinds.special() | vertices.kinds.relief | vertices.kinds.black);
+        let mut lanes = vertices.hit & vertices.lobes.diffuse & is_plain;
+        if !drift.any_moves() {
+            lanes &= vertices.moves;
+        }
+        vertices.drifts = lanes;
+        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+            let [x, n, d] = [surface.x, surface.n, direction].map(|v| lane_of(v, lane).as_dvec3());
+            let x_moves = vertices.moves >> lane & 1 == 1;
+            if drift.field(x, n, d, x_moves).is_some() {
+                path.moves |= 1 << lane;
+            }
+        }
     }
 
     /// Whether the paths that have left a vertex need not be followed to another; then what jumps

@@ -17,6 +17,7 @@ pub mod film;
 pub mod integrator;
 pub mod leaving;
 pub mod light;
+pub mod lobe_drift;
 pub mod moving;
 pub mod radiance;
 pub mod random;

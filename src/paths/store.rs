@@ -64,6 +64,8 @@ pub struct Vertices {
     /// 1/(chance of looking for silhouettes over the hemisphere), 0 where none are looked for. Not
     /// `survival` where a rough lobe's bounce ends below the horizon: the lobe itself does not.
     pub line_survival: Lane,
+    /// Lanes whose next directions drift (`paths::lobe_drift`).
+    pub drifts: u32,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],
     /// Which lanes see each delta light, likewise.
@@ -226,6 +228,7 @@ impl Default for Vertices {
             weight: V3::splat(0.0),
             survival: zero,
             line_survival: zero,
+            drifts: 0,
             boundary: [0; 2],
             delta_lights: [0; 2],
             environment: [0; 2],

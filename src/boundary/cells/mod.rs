@@ -17,6 +17,7 @@ use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::Found;
 use crate::paths::estimator::{BoundaryEstimator, FilmTile, LightDraw, WholeFilm};
 use crate::paths::film::drift::Drift;
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 use std::sync::OnceLock;
@@ -27,6 +28,7 @@ pub struct Cells<'a> {
     /// What moves, of what there are boundaries.
     moving: &'a Moving,
     pieces: OnceLock<Pieces>,
+    lobe_drift: OnceLock<Option<LobeDrift>>,
 }
 
 impl<'a> Cells<'a> {
@@ -35,6 +37,7 @@ impl<'a> Cells<'a> {
             adjacency,
             moving,
             pieces: OnceLock::new(),
+            lobe_drift: OnceLock::new(),
         }
     }
 
@@ -44,6 +47,7 @@ impl<'a> Cells<'a> {
             adjacency: self.adjacency,
             moving: self.moving,
             found_pieces: &self.pieces,
+            lobe_drift: self.lobe_drift.get().and_then(Option::as_ref),
         }
     }
 }
@@ -59,6 +63,11 @@ impl BoundaryEstimator for Cells<'_> {
 
     fn drift(&self, film: &WholeFilm) -> Option<Drift> {
         film::drift::find(&self.scene(film.view), film)
+    }
+
+    fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {
+        let make = || lobe::drift::find(&self.scene(view));
+        self.lobe_drift.get_or_init(make).as_ref()
     }
 
     fn film(&self, film: &FilmTile, out: &mut Found) {

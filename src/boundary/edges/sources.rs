@@ -46,6 +46,7 @@ impl<'a> Edges<'a> {
             view,
             adjacency: self.adjacency,
             moving: self.moving,
+            lobe_drift: None,
             found_pieces: &self.pieces,
         }
     }

@@ -208,6 +208,8 @@ impl BackwardSweep<'_> {
             _ => {
                 let d = dvec3(direction_from_local(n, local));
                 let (o_bar, d_bar) = self.side(seen, x, d, sums);
+                let drift = self.carried(here, lane, d, (d_bar, 0.0), sums);
+                let (o_bar, d_bar) = (o_bar + drift.x, d_bar + drift.turning);
                 let (n_bar, _) = direction_from_local_adjoint(n, local, vector(d_bar));
                 return LaneBars {
                     x: sums.admitted(o_bar).as_vec3(),

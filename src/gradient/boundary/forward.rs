@@ -39,7 +39,10 @@ impl ForwardSweep<'_> {
                     V3::new(turning.x as f64, turning.y as f64, turning.z as f64),
                 )
             }
-            Coordinate::Lobe(local) => self.direction_at(here, lane, local),
+            Coordinate::Lobe(local) => {
+                let direction = self.direction_at(here, lane, local);
+                self.carried(here, lane, direction)
+            }
             Coordinate::Film(_) => return [0.0; 3],
         };
         self.weighed(found, sample, (x, direction))

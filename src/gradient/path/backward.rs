@@ -18,6 +18,7 @@ use crate::kernels::relief::relief_shadow;
 use crate::lanes::{LANES, Lane, Mask, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
 use crate::paths::scene_view::SceneView;
@@ -31,6 +32,8 @@ pub struct BackwardSweep<'a> {
     pub wanted: &'a Wanted,
     /// What carries the film's samples.
     pub drift: Option<&'a Drift>,
+    /// What carries bounces of diffuse lobes.
+    pub lobe_drift: Option<&'a LobeDrift>,
     /// Whether a pixel's filter is taken where samples move to.
     pub filter_follows: bool,
 }
@@ -165,6 +168,7 @@ impl BackwardSweep<'_> {
             here,
             [after.origin, after.direction, after.throughput],
             &mut bars,
+            sums,
         );
         if vertices.warped.world != 0 {
             let all = radiance_bar.times(after.scored[1]);
@@ -265,6 +269,7 @@ impl BackwardSweep<'_> {
         here: &Solved,
         [origin, direction, throughput]: [V3<Lane>; 3],
         bars: &mut VertexBars,
+        sums: &mut TileSums,
     ) -> V3<Lane> {
         let vertices = here.vertices;
         let mut turning = V3::splat(0.0);
@@ -285,6 +290,7 @@ impl BackwardSweep<'_> {
         }
         let bits = bits & !world;
         let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
+        let direction = self.drift(here, direction, weight_bar, bars, sums);
         let local = vertices.local;
         let Some(interface) = &here.interface else {
             bars.interface.reflectance = bars.interface.reflectance + weight_bar;

@@ -12,6 +12,7 @@ use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
+use crate::paths::lobe_drift::{Body, LobeDrift};
 use crate::paths::radiance::Scored;
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
@@ -21,6 +22,7 @@ use crate::paths::surface::layers::{numbers, of_numbers, tangent};
 use crate::paths::surface::relief::{by_uv, local};
 use crate::paths::surface::texture::Lookup;
 use crate::scene::{Lens, Rgb};
+use glam::DVec3;
 
 pub(crate) type D = Dual<Lane>;
 
@@ -28,6 +30,8 @@ pub(crate) type D = Dual<Lane>;
 pub struct ForwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub motion: &'a Motion,
+    /// What carries bounces of diffuse lobes, and the velocity of each body that it follows.
+    pub(crate) lobe_drift: Option<(&'a LobeDrift, Vec<DVec3>)>,
     camera_lanes: MovingCamera<Lane>,
     pub(crate) camera_f64: MovingCamera<f64>,
 }
@@ -69,10 +73,19 @@ pub(crate) struct MovingVertex<'a> {
 }
 
 impl<'a> ForwardSweep<'a> {
-    pub fn new(view: &'a SceneView<'a>, motion: &'a Motion) -> Self {
+    pub fn new(
+        view: &'a SceneView<'a>,
+        motion: &'a Motion,
+        lobe_drift: Option<&'a LobeDrift>,
+    ) -> Self {
+        let velocities = |drift: &'a LobeDrift| {
+            let of = |body: &Body| body.mean(|v| motion.velocity(v));
+            (drift, drift.bodies.iter().map(of).collect())
+        };
         Self {
             view,
             motion,
+            lobe_drift: lobe_drift.map(velocities),
             camera_lanes: motion.camera(&view.camera),
             camera_f64: motion.camera(&view.camera),
         }
@@ -353,10 +366,8 @@ impl<'a> ForwardSweep<'a> {
         let vertices = here.vertices;
         let local = dual_vector(vertices.local, V3::splat(0.0));
         let Some(interface) = &here.interface else {
-            return (
-                direction_from_local(here.n, local),
-                here.diffuse_reflectance,
-            );
+            let direction = direction_from_local(here.n, local);
+            return self.drift(here, direction, here.diffuse_reflectance);
         };
         let (direction, weight) = bsdf_sample(
             here.n,
@@ -383,7 +394,7 @@ impl<'a> ForwardSweep<'a> {
             weight = V3::select(is_layered, layered, weight);
         }
         let weight = self.shown(here, direction, weight);
-        (direction, weight * constant(vertices.inverse_density))
+        self.drift(here, direction, weight * constant(vertices.inverse_density))
     }
 }
 

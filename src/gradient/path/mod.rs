@@ -2,6 +2,8 @@
 
 pub mod backward;
 pub mod bars;
+mod drift_backward;
+mod drift_forward;
 pub mod forward;
 mod made_of_backward;
 mod relief_backward;

@@ -111,6 +111,8 @@ pub struct TileSums {
     environment: EnvironmentSum,
     /// Of the velocities of the film's nodes.
     drift: BTreeMap<usize, [f64; 2]>,
+    /// Of the velocities of bodies that directions follow.
+    bodies: BTreeMap<usize, DVec3>,
     pub delta_lights: Vec<DVec3>,
     /// Per texture.
     pub to_uv: Vec<[f64; 6]>,
@@ -131,6 +133,7 @@ pub struct TileGradient {
     camera: CameraSum,
     environment: EnvironmentSum,
     drift: BTreeMap<usize, [f64; 2]>,
+    bodies: BTreeMap<usize, DVec3>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }
@@ -152,6 +155,7 @@ impl TileSums {
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
             drift: BTreeMap::new(),
+            bodies: BTreeMap::new(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
             terms: Terms::new(scene.meshes.len(), scene.textures.len()),
@@ -230,6 +234,12 @@ impl TileSums {
         }
     }
 
+    /// Adds to the velocity of a body that directions follow.
+    pub fn add_body(&mut self, body: usize, bar: DVec3) {
+        let bar = self.admitted(bar);
+        *self.bodies.entry(body).or_default() += bar;
+    }
+
     /// Adds to a vertex's normal.
     pub fn add_normal(&mut self, vertex: u32, value: Vec3) {
         if self.admits(value.is_finite()) {
@@ -271,6 +281,7 @@ impl TileSums {
             camera: std::mem::take(&mut self.camera),
             environment: std::mem::take(&mut self.environment),
             drift: std::mem::take(&mut self.drift),
+            bodies: std::mem::take(&mut self.bodies),
             to_uv: {
                 let zeros = vec![[0.0; 6]; self.to_uv.len()];
                 std::mem::replace(&mut self.to_uv, zeros)
@@ -292,6 +303,8 @@ pub struct FilmSums {
     environment: EnvironmentSum,
     /// Of the velocities of the film's nodes.
     pub drift: BTreeMap<usize, [f64; 2]>,
+    /// Of those of bodies that directions follow.
+    pub bodies: BTreeMap<usize, DVec3>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }
@@ -306,6 +319,7 @@ impl FilmSums {
             camera: CameraSum::default(),
             environment: EnvironmentSum::default(),
             drift: BTreeMap::new(),
+            bodies: BTreeMap::new(),
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
         })
@@ -331,6 +345,9 @@ impl FilmSums {
             let sum = self.drift.entry(node).or_default();
             sum[0] += value[0];
             sum[1] += value[1];
+        }
+        for (&body, &value) in &tile.bodies {
+            *self.bodies.entry(body).or_default() += value;
         }
         for (sum, value) in self.to_uv.iter_mut().zip(&tile.to_uv) {
             for (s, v) in sum.iter_mut().zip(value) {

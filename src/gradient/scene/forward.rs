@@ -9,7 +9,7 @@ use crate::scene::{
     CameraDifferential, Environment, EnvironmentDifferential, Rgb, Scene, SceneDifferential,
 };
 use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The tangent of a scene, numbered as [`Geometry`] numbers it.
 pub struct Motion {
@@ -126,15 +126,16 @@ impl Motion {
             && self.moving_mesh[geometry.mesh_of_triangle[triangle as usize] as usize]
     }
 
+    /// The velocity of a vertex.
+    pub fn velocity(&self, vertex: u32) -> DVec3 {
+        let velocity = self.positions.get(vertex as usize).copied();
+        velocity.unwrap_or(Vec3::ZERO).as_dvec3()
+    }
+
     /// A vertex with its velocity.
     pub fn point(&self, geometry: &Geometry, vertex: u32) -> V3<Dual<f64>> {
         let p = geometry.positions[vertex as usize].as_dvec3();
-        let v = self
-            .positions
-            .get(vertex as usize)
-            .copied()
-            .unwrap_or(Vec3::ZERO)
-            .as_dvec3();
+        let v = self.velocity(vertex);
         let dual = |value, tangent| Dual { value, tangent };
         V3 {
             x: dual(p.x, v.x),

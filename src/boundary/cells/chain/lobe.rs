@@ -73,7 +73,7 @@ pub fn find(
     let rays = LineRays {
         line,
         point: &point,
-        lane_moves: here.vertices.moves >> lane & 1 == 1,
+        lane_moves: search.lane_moves(lane),
     };
     let random = |name| {
         let name = [probes.index, depth, name];

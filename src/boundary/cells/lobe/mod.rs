@@ -2,6 +2,7 @@
 
 mod bounce;
 mod cell;
+pub mod drift;
 pub mod families;
 pub mod line;
 mod met;

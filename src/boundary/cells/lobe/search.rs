@@ -121,7 +121,7 @@ pub fn on_own_plane(
     let (Some(&end), Some(&start)) = (before.psi.last(), beyond.psi.first()) else {
         return;
     };
-    if here.vertices.moves >> way.lane & 1 == 0 {
+    if !search.lane_moves(way.lane) {
         return;
     }
     let point = SurfacePoint::of_lane(here, way.lane);
@@ -190,7 +190,7 @@ fn cells<'a, 'b: 'a>(
         scene: search.scene,
         line,
         point,
-        lane_moves: search.at.vertices.moves >> lane & 1 == 1,
+        lane_moves: search.lane_moves(lane),
         arc: Arc {
             origin: point.leave(pair[0].0 + pair[1].0).as_dvec3(),
             a: pair[0].0,

@@ -64,8 +64,21 @@ impl LobeSearch<'_> {
     /// Whether something may be found on a line that moves as seen by its lane.
     pub fn moves(&self, lane: usize, line: &Line, at: &LaneSurface) -> bool {
         let x = lane_of(self.at.surface.x, lane).as_dvec3();
-        let moving = self.scene.moving;
-        self.at.vertices.moves >> lane & 1 == 1 || moving.meets(&line.sector(x, at))
+        let sector = line.sector(x, at);
+        let drifts = self.at.vertices.drifts >> lane & 1 == 1;
+        self.at.vertices.moves >> lane & 1 == 1
+            || self.scene.moving.meets(&sector)
+            || (drifts
+                && self
+                    .scene
+                    .lobe_drift
+                    .is_some_and(|drift| drift.meets(&sector)))
+    }
+
+    /// Whether all that a lane sees over its lobe moves, or directions do.
+    pub fn lane_moves(&self, lane: usize) -> bool {
+        let vertices = self.at.vertices;
+        (vertices.moves | vertices.drifts) >> lane & 1 == 1
     }
 
     /// Keeps what jumps by `jump` in a direction on a line, seen through a chain if there is one.
