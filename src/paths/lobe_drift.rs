@@ -29,8 +29,9 @@ const MOST_VERTICES: usize = 64;
 pub const REACH: f64 = 1.5;
 /// The cosine of a cone's half-angle below which the field fades: x nearly touches the body.
 const NEAR: f64 = 0.3;
-/// The cosine about which the field fades toward the horizon.
-const HORIZON: f64 = 0.1;
+/// The cosine from which the field fades toward the horizon. What that adds to the mean square of a
+/// weight's change does not depend on it: bounces are distributed as the cosine.
+const HORIZON: f64 = 0.05;
 
 /// Something round that directions follow.
 #[derive(Clone, Debug)]
@@ -166,8 +167,8 @@ impl LobeDrift {
         } else {
             (1.0, DVec3::ZERO)
         };
-        let fading = cos / (cos + HORIZON);
-        let by_cos = HORIZON / (cos + HORIZON).powi(2);
+        let fading = (cos / HORIZON).min(1.0);
+        let by_cos = if cos < HORIZON { 1.0 / HORIZON } else { 0.0 };
         let along_n = n - d * cos;
         for share in &mut field.shares[..field.count] {
             let part = share.weight / most;
@@ -371,8 +372,7 @@ mod tests {
         assert!(tried > 40, "{tried}");
     }
 
-    /// On the outline of a ball, far from the horizon, the field is faded only by that; before, it
-    /// moves across the outline as the outline does.
+    /// Across the outline of a ball the field moves as the outline does.
     #[test]
     fn the_outline_of_a_ball_rests() {
         let (centre, radius) = (DVec3::new(0.4, 0.3, 2.0), 0.6);
@@ -391,7 +391,6 @@ mod tests {
                 .field(DVec3::ZERO, N, d * (1.0 - 1e-12), true)
                 .unwrap();
             let (v, _) = field.velocity(|_| VELOCITIES[0], OF_X, DVec3::ZERO);
-            let v = v * (d.dot(N) + HORIZON) / d.dot(N);
             // Where a ray touches the ball it keeps touching it: (w − |y| v)·normal = 0.
             let distance = (centre.length_squared() - radius * radius).sqrt();
             let normal = (d * distance - centre) / radius;
