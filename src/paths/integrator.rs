@@ -320,7 +320,7 @@ impl Integrator<'_> {
         path.coherence = Coherence::Incoherent;
     }
 
-    /// Says which lanes' bounces drift, and has what they meet move if they do.
+    /// Says which lanes' bounces drift or rest, and has what they meet move if they do.
     fn drift_over_lobe(
         &self,
         path: &mut Path,
@@ -329,22 +329,29 @@ impl Integrator<'_> {
         direction: V3<Lane>,
         numbers: &Numbers,
     ) {
-        // What the last bounces find are lights, which have coordinates of their own, and an even
-        // sky.
-        let at_last = numbers.depth + 2 >= self.view.limits.max_depth;
-        let Some(drift) = self.estimator.lobe_drift(self.view).filter(|_| !at_last) else {
+        let Some(drift) = self.estimator.lobe_drift(self.view) else {
             return;
         };
-        let is_plain = !(vertices.kinds.special() | vertices.kinds.relief | vertices.kinds.black);
-        let mut lanes = vertices.hit & vertices.lobes.diffuse & is_plain;
-        if !drift.any_moves() {
-            lanes &= vertices.moves;
+        let kinds = vertices.kinds;
+        let plain = vertices.hit & !(kinds.relief | kinds.black | kinds.layered());
+        let mut diffuse = plain & vertices.lobes.diffuse & !kinds.special();
+        if numbers.depth + 2 >= self.view.limits.max_depth {
+            // What the last bounces of diffuse lobes find are lights, which have coordinates of
+            // their own, and an even sky.
+            diffuse = 0;
         }
-        vertices.drifts = lanes;
+        if !drift.any_moves() {
+            diffuse &= vertices.moves;
+        }
+        vertices.drifts = diffuse;
+        let resting = drift.resting_lanes(self.view.geometry, &vertices.triangle);
+        vertices.rests = resting & (diffuse | (plain & kinds.rest_in_lobes(&vertices.lobes)));
+        let lanes = diffuse;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
             let [x, n, d] = [surface.x, surface.n, direction].map(|v| lane_of(v, lane).as_dvec3());
             let x_moves = vertices.moves >> lane & 1 == 1;
-            if drift.field(x, n, d, x_moves).is_some() {
+            let rests = vertices.rests >> lane & 1 == 1;
+            if drift.field([x, n, d], x_moves, rests).is_some() {
                 path.moves |= 1 << lane;
             }
         }

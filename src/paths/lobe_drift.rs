@@ -17,8 +17,9 @@
 //! and of x and in the turn of the frame, so that the backward sweep can hand its cotangent on.
 
 use crate::discontinuity::pieces::Pieces;
+use crate::lanes::LANES;
 use crate::paths::moving::{Moving, Sector};
-use crate::trace::geometry::Geometry;
+use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
 /// So many bodies are followed at most, the largest.
@@ -48,6 +49,8 @@ pub struct Body {
 pub struct LobeDrift {
     pub bodies: Vec<Body>,
     any_moves: bool,
+    /// Meshes over whose lobes directions rest in the world.
+    rests: Vec<bool>,
 }
 
 /// A body's part in the field at one direction.
@@ -67,6 +70,9 @@ pub struct BodyShare {
 pub struct LobeField {
     normal: DVec3,
     direction: DVec3,
+    /// How much of the turn of its frame a direction does not share, and how that changes.
+    rest: f64,
+    rest_gradient: DVec3,
     shares: [BodyShare; MOST_BODIES],
     count: usize,
 }
@@ -80,12 +86,14 @@ pub struct FieldBars {
 }
 
 impl LobeDrift {
-    /// Follows the pieces of meshes that reflect or refract more than diffusely; `None` without any.
+    /// Follows the pieces that `is_followed` vertices belong to, and rests over the lobes of some
+    /// meshes; `None` if there are neither.
     pub fn new(
         geometry: &Geometry,
         pieces: &Pieces,
         moving: &Moving,
         is_followed: impl Fn(u32) -> bool,
+        rests: Vec<bool>,
     ) -> Option<Self> {
         let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); pieces.count()];
         for v in 0..geometry.positions.len() as u32 {
@@ -113,7 +121,19 @@ impl LobeDrift {
         bodies.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         bodies.truncate(MOST_BODIES);
         let any_moves = bodies.iter().any(|b| b.moves);
-        (!bodies.is_empty()).then_some(Self { bodies, any_moves })
+        let any = !bodies.is_empty() || rests.contains(&true);
+        any.then_some(Self {
+            bodies,
+            any_moves,
+            rests,
+        })
+    }
+
+    /// The lanes whose triangle belongs to a mesh over which directions rest.
+    pub fn resting_lanes(&self, geometry: &Geometry, triangles: &[u32; LANES]) -> u32 {
+        let mesh = |t: u32| geometry.mesh_of_triangle[t as usize] as usize;
+        let rests = |&l: &usize| triangles[l] != NO_TRIANGLE && self.rests[mesh(triangles[l])];
+        (0..LANES).filter(rests).fold(0, |bits, l| bits | 1 << l)
     }
 
     /// Whether any body moves.
@@ -133,8 +153,9 @@ impl LobeDrift {
     }
 
     /// The field at a direction `d` from `x`, where the normal is `n`; `None` where it is zero. If x
-    /// rests (`x_moves` is false) bodies that rest have none.
-    pub fn field(&self, x: DVec3, n: DVec3, d: DVec3, x_moves: bool) -> Option<LobeField> {
+    /// rests (`x_moves` is false) bodies that rest have none. `rests` says whether directions from x
+    /// rest in the world where nothing carries them.
+    pub fn field(&self, [x, n, d]: [DVec3; 3], x_moves: bool, rests: bool) -> Option<LobeField> {
         let cos = n.dot(d);
         if cos <= 0.0 {
             return None;
@@ -142,6 +163,8 @@ impl LobeDrift {
         let mut field = LobeField {
             normal: n,
             direction: d,
+            rest: 0.0,
+            rest_gradient: DVec3::ZERO,
             shares: [BodyShare::default(); MOST_BODIES],
             count: 0,
         };
@@ -155,7 +178,8 @@ impl LobeDrift {
             field.shares[field.count] = share;
             field.count += 1;
         }
-        if field.count == 0 {
+        let rests = rests && x_moves;
+        if field.count == 0 && !rests {
             return None;
         }
         let all = field.shares[..field.count].iter();
@@ -170,11 +194,19 @@ impl LobeDrift {
         let fading = (cos / HORIZON).min(1.0);
         let by_cos = if cos < HORIZON { 1.0 / HORIZON } else { 0.0 };
         let along_n = n - d * cos;
+        if rests {
+            field.rest = fading;
+            field.rest_gradient = along_n * by_cos;
+        }
         for share in &mut field.shares[..field.count] {
             let part = share.weight / most;
             let gradient = (share.gradient - slope * part) / most;
             share.weight = fading * part;
             share.gradient = gradient * fading + along_n * (by_cos * part);
+            if !rests {
+                field.rest += share.weight;
+                field.rest_gradient += share.gradient;
+            }
         }
         Some(field)
     }
@@ -234,13 +266,13 @@ impl LobeField {
         turning: DVec3,
     ) -> (DVec3, f64) {
         let d = self.direction;
-        let mut velocity = DVec3::ZERO;
-        let mut divergence = 0.0;
+        let mut velocity = turning * -self.rest;
+        let mut divergence = -self.rest_gradient.dot(turning);
         for share in &self.shares[..self.count] {
             let w = of_body(share.body) - of_x;
             let along = d.dot(w);
             let z = share.axis.dot(d);
-            let beside = (w - d * along) * (z * share.nearness) - turning;
+            let beside = (w - d * along) * (z * share.nearness);
             velocity += beside * share.weight;
             divergence += share.gradient.dot(beside)
                 + share.weight * share.nearness * (share.axis.dot(w) - 3.0 * along * z);
@@ -260,11 +292,13 @@ impl LobeField {
         let d = self.direction;
         let cos = self.normal.dot(d);
         let velocity_bar = velocity_bar + self.normal * (weight_bar / cos);
-        let mut bars = FieldBars::default();
+        let mut bars = FieldBars {
+            x: DVec3::ZERO,
+            turning: -(velocity_bar * self.rest + self.rest_gradient * weight_bar),
+        };
         for share in &self.shares[..self.count] {
             let z = share.axis.dot(d);
             let beside = velocity_bar * share.weight + share.gradient * weight_bar;
-            bars.turning -= beside;
             let divergence = share.weight * share.nearness * weight_bar;
             let w = (beside - d * d.dot(beside)) * (z * share.nearness)
                 + (share.axis - d * (3.0 * z)) * divergence;
@@ -293,6 +327,7 @@ mod tests {
         LobeDrift {
             bodies: vec![body([0.9, 0.2, 1.1], 0.5), body([1.6, -0.3, 1.0], 0.7)],
             any_moves: true,
+            rests: Vec::new(),
         }
     }
 
@@ -311,8 +346,13 @@ mod tests {
         (0..60).map(at)
     }
 
-    fn velocity(drift: &LobeDrift, d: DVec3) -> Option<(DVec3, f64)> {
-        let field = drift.field(DVec3::ZERO, N, d, true)?;
+    /// From surfaces over which they rest, and from others.
+    fn directions_twice() -> impl Iterator<Item = (DVec3, bool)> {
+        directions().flat_map(|d| [(d, false), (d, true)])
+    }
+
+    fn velocity(drift: &LobeDrift, d: DVec3, rests: bool) -> Option<(DVec3, f64)> {
+        let field = drift.field([DVec3::ZERO, N, d], true, rests)?;
         Some(field.velocity(|body| VELOCITIES[body], OF_X, TURN.cross(d)))
     }
 
@@ -321,8 +361,8 @@ mod tests {
     fn weights_change_by_the_divergence() {
         let drift = two_balls();
         let mut tried = 0;
-        for d in directions() {
-            let Some((_, change)) = velocity(&drift, d) else {
+        for (d, rests) in directions_twice() {
+            let Some((_, change)) = velocity(&drift, d, rests) else {
                 continue;
             };
             let s = d.any_orthonormal_vector();
@@ -332,7 +372,7 @@ mod tests {
                 let moved = (d + axis * step).normalize();
                 // On the sphere a neighbour's axis leans by what the direction does.
                 let axis = (axis - moved * moved.dot(axis)).normalize();
-                velocity(&drift, moved).map_or(0.0, |(v, _)| v.dot(axis) * moved.dot(N))
+                velocity(&drift, moved, rests).map_or(0.0, |(v, _)| v.dot(axis) * moved.dot(N))
             };
             let slope = |axis| (along(axis, h) - along(axis, -h)) / (2.0 * h);
             let expected: f64 = axes.map(slope).iter().sum::<f64>() / d.dot(N);
@@ -343,7 +383,7 @@ mod tests {
             );
             tried += 1;
         }
-        assert!(tried > 40, "{tried}");
+        assert!(tried > 100, "{tried}");
     }
 
     #[test]
@@ -351,8 +391,8 @@ mod tests {
         let drift = two_balls();
         let (velocity_bar, change_bar) = (DVec3::new(0.3, 0.9, -0.5), 0.7);
         let mut tried = 0;
-        for d in directions() {
-            let Some(field) = drift.field(DVec3::ZERO, N, d, true) else {
+        for (d, rests) in directions_twice() {
+            let Some(field) = drift.field([DVec3::ZERO, N, d], true, rests) else {
                 continue;
             };
             let turning = TURN.cross(d);
@@ -369,7 +409,7 @@ mod tests {
             );
             tried += 1;
         }
-        assert!(tried > 40, "{tried}");
+        assert!(tried > 100, "{tried}");
     }
 
     /// Across the outline of a ball the field moves as the outline does.
@@ -379,6 +419,7 @@ mod tests {
         let drift = LobeDrift {
             bodies: vec![body(centre.into(), radius)],
             any_moves: true,
+            rests: Vec::new(),
         };
         let w = VELOCITIES[0] - OF_X;
         let (axis, sin) = (centre.normalize(), radius / centre.length());
@@ -388,7 +429,7 @@ mod tests {
             let beside = s * cos_turn + axis.cross(s) * sin_turn;
             let d = axis * (1.0 - sin * sin).sqrt() + beside * sin;
             let field = drift
-                .field(DVec3::ZERO, N, d * (1.0 - 1e-12), true)
+                .field([DVec3::ZERO, N, d * (1.0 - 1e-12)], true, false)
                 .unwrap();
             let (v, _) = field.velocity(|_| VELOCITIES[0], OF_X, DVec3::ZERO);
             // Where a ray touches the ball it keeps touching it: (w − |y| v)·normal = 0.

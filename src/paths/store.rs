@@ -66,6 +66,8 @@ pub struct Vertices {
     pub line_survival: Lane,
     /// Lanes whose next directions drift (`paths::lobe_drift`).
     pub drifts: u32,
+    /// Lanes whose next directions rest in the world where nothing carries them.
+    pub rests: u32,
     /// What jumps in this vertex's integrals, as a range of the tile's list.
     pub boundary: [u32; 2],
     /// Which lanes see each delta light, likewise.
@@ -229,6 +231,7 @@ impl Default for Vertices {
             survival: zero,
             line_survival: zero,
             drifts: 0,
+            rests: 0,
             boundary: [0; 2],
             delta_lights: [0; 2],
             environment: [0; 2],

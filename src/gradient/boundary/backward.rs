@@ -226,6 +226,12 @@ impl BackwardSweep<'_> {
         );
         let (d, _) = bsdf_sample(n, arriving, local, interface, none, lobes, kinds);
         let (o_bar, d_bar) = self.side(seen, x, dvec3(d), sums);
+        if (vertices.rests & !vertices.drifts) >> lane & 1 == 1 {
+            return LaneBars {
+                x: sums.admitted(o_bar).as_vec3(),
+                ..LaneBars::default()
+            };
+        }
         let no_weight = V3::splat(0.0);
         let (n_bar, direction_bar, _, s_bar, _) = bsdf_sample_adjoint(
             n,

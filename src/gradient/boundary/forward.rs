@@ -41,6 +41,7 @@ impl ForwardSweep<'_> {
             }
             Coordinate::Lobe(local) => {
                 let direction = self.direction_at(here, lane, local);
+                let direction = self.at_rest(here, lane, direction);
                 self.carried(here, lane, direction)
             }
             Coordinate::Film(_) => return [0.0; 3],

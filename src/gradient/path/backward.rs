@@ -300,6 +300,10 @@ impl BackwardSweep<'_> {
             }
             return turning;
         };
+        let rests = vertices.rests & !vertices.drifts & bits;
+        self.rest(here, Cotangent::of_lanes(rests, weight_bar), bars);
+        let bits = bits & !rests;
+        let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
         let layered = vertices.kinds.layered();
         let mut weight_bar = weight_bar * vertices.inverse_density;
         let mut direction = direction;

@@ -54,7 +54,8 @@ impl BackwardSweep<'_> {
         };
         let [x, n] = [here.x, here.n].map(|v| lane_of(v, lane).as_dvec3());
         let x_moves = vertices.moves >> lane & 1 == 1;
-        let Some(field) = drift.field(x, n, d, x_moves) else {
+        let rests = vertices.rests >> lane & 1 == 1;
+        let Some(field) = drift.field([x, n, d], x_moves, rests) else {
             return FieldBars::default();
         };
         field.velocity_adjoint(velocity_bar, change_bar, |body, bar| {

@@ -49,7 +49,8 @@ impl ForwardSweep<'_> {
         let value = |v: V3<Dual<f64>>| DVec3::new(v.x.value, v.y.value, v.z.value);
         let tangent = |v| dvec3(tangent_of(v));
         let x_moves = here.vertices.moves >> lane & 1 == 1;
-        let field = drift.field(value(x), value(n), value(direction), x_moves);
+        let rests = here.vertices.rests >> lane & 1 == 1;
+        let field = drift.field([value(x), value(n), value(direction)], x_moves, rests);
         let velocity = |field: LobeField| {
             field.velocity(|body| velocities[body], tangent(x), tangent(direction))
         };

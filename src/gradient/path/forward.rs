@@ -393,6 +393,7 @@ impl<'a> ForwardSweep<'a> {
             direction = V3::select(is_layered, own, direction);
             weight = V3::select(is_layered, layered, weight);
         }
+        (direction, weight) = self.rest(here, direction, weight);
         let weight = self.shown(here, direction, weight);
         self.drift(here, direction, weight * constant(vertices.inverse_density))
     }

@@ -7,4 +7,6 @@ mod drift_forward;
 pub mod forward;
 mod made_of_backward;
 mod relief_backward;
+mod rest_backward;
+mod rest_forward;
 mod surface_backward;

@@ -1,0 +1,76 @@
+//! The forward sweep over bounces in rough metal and glass that rest in the world: what the lobe
+//! sends along them changes, and the density that they were drawn with does not.
+
+use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, value_of};
+use crate::gradient::scene::forward::dual_vector;
+use crate::kernels::bsdf::{Interface, bsdf_evaluate_glass};
+use crate::kernels::light::direction_irradiance;
+use crate::lanes::{Dual, Lane, Real, V3};
+use crate::paths::rays::lane_mask;
+use crate::paths::surface::kinds::LightKind;
+
+impl ForwardSweep<'_> {
+    /// Bounces and their weights, which turn with the surface, as they are where they rest.
+    pub(super) fn rest(
+        &self,
+        here: &MovingVertex,
+        direction: V3<D>,
+        weight: V3<D>,
+    ) -> (V3<D>, V3<D>) {
+        let vertices = here.vertices;
+        let rests = vertices.rests & !vertices.drifts;
+        let (Some(interface), true) = (&here.interface, rests != 0) else {
+            return (direction, weight);
+        };
+        let w = dual_vector(value_of(direction), V3::splat(0.0));
+        let sent = self.sent(here, interface, w);
+        let zero = Lane::splat(0.0);
+        let changed = |weight: D, sent: D| Dual {
+            value: weight.value,
+            tangent: <Lane as Real>::select(
+                sent.value.gt(zero),
+                weight.value * sent.tangent / sent.value,
+                zero,
+            ),
+        };
+        let own = V3::new(
+            changed(weight.x, sent.x),
+            changed(weight.y, sent.y),
+            changed(weight.z, sent.z),
+        );
+        let rests = lane_mask(rests);
+        (
+            V3::select(rests, w, direction),
+            V3::select(rests, own, weight),
+        )
+    }
+
+    /// What rough metal and glass send of a beam from `w`, but for a factor.
+    fn sent(&self, here: &MovingVertex, interface: &Interface<D>, w: V3<D>) -> V3<D> {
+        let kinds = here.vertices.kinds;
+        let metal = self.bsdf_evaluate(here, w, LightKind::Delta) * direction_irradiance(here.n, w);
+        if kinds.dielectric == 0 {
+            return metal;
+        }
+        let (is_glass, masks) = (lane_mask(kinds.dielectric), kinds.masks());
+        let glass =
+            bsdf_evaluate_glass::<D>(here.n, here.direction, w, *interface, is_glass, masks);
+        V3::select(is_glass, glass, metal)
+    }
+
+    /// A direction over a lobe in which a border is seen, likewise.
+    pub(crate) fn at_rest(
+        &self,
+        here: &MovingVertex,
+        lane: usize,
+        direction: V3<Dual<f64>>,
+    ) -> V3<Dual<f64>> {
+        let vertices = here.vertices;
+        if (vertices.rests & !vertices.drifts) >> lane & 1 == 0 {
+            return direction;
+        }
+        let value = |d: Dual<f64>| d.value;
+        let V3 { x, y, z } = direction;
+        dual_vector(V3::new(value(x), value(y), value(z)), V3::splat(0.0))
+    }
+}
