@@ -11,7 +11,7 @@ use crate::paths::bounce::{Bounce, BounceEnd};
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::film::drift::Drift;
 use crate::paths::random::Stream;
-use crate::paths::rays::{RayPacket, lane_mask, lane_of};
+use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
@@ -314,47 +314,14 @@ impl Integrator<'_> {
         if let Some(between) = between {
             next.active &= between.count(next.direction);
         }
-        self.drift_over_lobe(path, vertices, surface, next.direction, numbers);
+        if let Some(drift) = self.estimator.lobe_drift(self.view) {
+            let at_last = numbers.depth + 2 >= self.view.limits.max_depth;
+            let leaving = (surface, next.direction);
+            path.moves |= self.view.carry(drift, vertices, leaving, at_last);
+        }
         path.rays = next;
         path.throughput = vertices.throughput.times(vertices.weight) * (vertices.survival * rim);
         path.coherence = Coherence::Incoherent;
-    }
-
-    /// Says which lanes' bounces drift or rest, and has what they meet move if they do.
-    fn drift_over_lobe(
-        &self,
-        path: &mut Path,
-        vertices: &mut Vertices,
-        surface: &Surface,
-        direction: V3<Lane>,
-        numbers: &Numbers,
-    ) {
-        let Some(drift) = self.estimator.lobe_drift(self.view) else {
-            return;
-        };
-        let kinds = vertices.kinds;
-        let plain = vertices.hit & !(kinds.relief | kinds.black | kinds.layered());
-        let mut diffuse = plain & vertices.lobes.diffuse & !kinds.special();
-        if numbers.depth + 2 >= self.view.limits.max_depth {
-            // What the last bounces of diffuse lobes find are lights, which have coordinates of
-            // their own, and an even sky.
-            diffuse = 0;
-        }
-        if !drift.any_moves() {
-            diffuse &= vertices.moves;
-        }
-        vertices.drifts = diffuse;
-        let resting = drift.resting_lanes(self.view.geometry, &vertices.triangle);
-        vertices.rests = resting & (diffuse | (plain & kinds.rest_in_lobes(&vertices.lobes)));
-        let lanes = diffuse;
-        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
-            let [x, n, d] = [surface.x, surface.n, direction].map(|v| lane_of(v, lane).as_dvec3());
-            let x_moves = vertices.moves >> lane & 1 == 1;
-            let rests = vertices.rests >> lane & 1 == 1;
-            if drift.field([x, n, d], x_moves, rests).is_some() {
-                path.moves |= 1 << lane;
-            }
-        }
     }
 
     /// Whether the paths that have left a vertex need not be followed to another; then what jumps

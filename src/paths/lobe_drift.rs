@@ -339,7 +339,7 @@ mod tests {
     /// Directions in, between and around the balls.
     fn directions() -> impl Iterator<Item = DVec3> {
         let at = |i: u32| {
-            let (height, angle) = (0.05 + 0.9 * f64::from(i) / 60.0, 0.8 * (f64::from(i)).sin());
+            let (height, angle) = (0.04 + 0.9 * f64::from(i) / 60.0, 0.8 * (f64::from(i)).sin());
             let radius = (1.0 - height * height).sqrt();
             DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
         };

@@ -158,6 +158,11 @@ impl Vertices {
             .map_or(self.throughput, |choice| choice.arriving)
     }
 
+    /// Lanes of rough metal and glass whose next directions rest in the world.
+    pub fn resting_lobes(&self) -> u32 {
+        self.rests & !self.drifts
+    }
+
     /// Lanes whose lobe shares the lights with light samples.
     pub fn shares_lights(&self) -> u32 {
         self.lobes.diffuse | (self.lobes.reflected & self.kinds.wide & !self.lobes.coat)

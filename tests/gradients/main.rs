@@ -9,6 +9,7 @@ mod beams;
 mod black;
 mod chains;
 mod determinism;
+mod drifting_lobes;
 mod edges;
 mod finite_differences;
 mod finite_differences_delta;

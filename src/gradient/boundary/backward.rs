@@ -226,7 +226,7 @@ impl BackwardSweep<'_> {
         );
         let (d, _) = bsdf_sample(n, arriving, local, interface, none, lobes, kinds);
         let (o_bar, d_bar) = self.side(seen, x, dvec3(d), sums);
-        if (vertices.rests & !vertices.drifts) >> lane & 1 == 1 {
+        if vertices.resting_lobes() >> lane & 1 == 1 {
             return LaneBars {
                 x: sums.admitted(o_bar).as_vec3(),
                 ..LaneBars::default()

@@ -11,7 +11,8 @@ use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::layered::layered_sample_adjoint;
 use crate::adjoint::relief::relief_shadow_adjoint;
 use crate::gradient::path::bars::{Cotangent, TurningBars, VertexBars};
-use crate::gradient::scene::backward::{TileSums, Wanted};
+use crate::gradient::scene::backward::TileSums;
+use crate::gradient::scene::wanted::Wanted;
 use crate::kernels::bsdf::{Interface, bsdf_sample};
 use crate::kernels::layered::{Layers, layered_sample};
 use crate::kernels::relief::relief_shadow;
@@ -300,7 +301,25 @@ impl BackwardSweep<'_> {
             }
             return turning;
         };
-        let rests = vertices.rests & !vertices.drifts & bits;
+        let lanes = Cotangent::of_lanes(bits, weight_bar);
+        self.bounce_off(here, interface, (direction, lanes), bars);
+        turning
+    }
+
+    /// Bounces off what is more than diffuse, from the cotangents of directions and weights.
+    fn bounce_off(
+        &self,
+        here: &Solved,
+        interface: &Interface<Lane>,
+        (direction, weight_bar): (V3<Lane>, Cotangent),
+        bars: &mut VertexBars,
+    ) {
+        let (vertices, local) = (here.vertices, here.vertices.local);
+        let Cotangent {
+            bits,
+            value: weight_bar,
+        } = weight_bar;
+        let rests = vertices.resting_lobes() & bits;
         self.rest(here, Cotangent::of_lanes(rests, weight_bar), bars);
         let bits = bits & !rests;
         let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
@@ -346,7 +365,6 @@ impl BackwardSweep<'_> {
         bars.n = bars.n + masked(bits, n);
         bars.direction = bars.direction + masked(bits, arriving);
         bars.add_interface(bits, &s);
-        turning
     }
 
     /// The next direction, and what the path is multiplied with but for what a turned surface hides

@@ -18,7 +18,7 @@ impl ForwardSweep<'_> {
         weight: V3<D>,
     ) -> (V3<D>, V3<D>) {
         let vertices = here.vertices;
-        let rests = vertices.rests & !vertices.drifts;
+        let rests = vertices.resting_lobes();
         let (Some(interface), true) = (&here.interface, rests != 0) else {
             return (direction, weight);
         };
@@ -66,7 +66,7 @@ impl ForwardSweep<'_> {
         direction: V3<Dual<f64>>,
     ) -> V3<Dual<f64>> {
         let vertices = here.vertices;
-        if (vertices.rests & !vertices.drifts) >> lane & 1 == 0 {
+        if vertices.resting_lobes() >> lane & 1 == 0 {
             return direction;
         }
         let value = |d: Dual<f64>| d.value;

@@ -4,3 +4,4 @@ pub mod backward;
 pub mod forward;
 pub mod normals;
 mod sparse;
+pub mod wanted;

@@ -4,7 +4,6 @@ use crate::kernels::bsdf::KindMasks;
 use crate::kernels::layered::LitMasks;
 use crate::lanes::{Lane, Real};
 use crate::paths::rays::lane_mask;
-use crate::paths::store::Lobes;
 
 /// Where light comes from that a vertex looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,13 +76,6 @@ impl Kinds {
     /// Lanes of rough glass and of what else lets light through that rough interfaces scatter.
     pub fn rough_glass(&self) -> u32 {
         (self.dielectric & !self.smooth) | self.transmits
-    }
-
-    /// Lanes with a lobe of rough metal or glass, whose value is known toward any direction.
-    pub fn rest_in_lobes(&self, lobes: &Lobes) -> u32 {
-        let metal = self.conductor & lobes.reflected;
-        let glass = self.dielectric & (lobes.reflected | lobes.refracted);
-        (metal | glass) & !(self.smooth | self.thin)
     }
 
     /// What of each lane `light` lights: diffuse reflection and the lobes in the second mask.

@@ -1,5 +1,6 @@
 //! Surfaces: where rays end, what is there, and where paths go on.
 
+pub mod carried;
 pub mod choice;
 pub mod interface;
 pub mod kinds;

@@ -13,7 +13,7 @@ use crate::paths::lobe_drift::LobeDrift;
 use crate::trace::geometry::Geometry;
 
 /// The mean turn of a mesh's normals over half its size from which it is full of detail; a ball's
-/// is 1.
+/// is 1.7.
 const DETAIL_RAD: f64 = 3.0;
 
 /// What directions over lobes drift with; `None` if nothing moves or nothing carries them.

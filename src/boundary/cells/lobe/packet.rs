@@ -58,7 +58,9 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
 
 /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all.
 /// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they are
-/// not that narrow, one may be near though they do not: all its lanes look for it.
+/// not that narrow, one may be near though they do not: all its lanes look for it. Where directions
+/// rest, what rests brings nothing over the lobe, and one lane is enough: inside of a scanned animal
+/// of rough glass all had two and a half times the variance in equal time.
 fn among_surfaces(search: &mut LobeSearch) {
     let At {
         vertices, numbers, ..
@@ -82,6 +84,7 @@ fn among_surfaces(search: &mut LobeSearch) {
             continue;
         }
         let all = group == 0
+            && lanes & search.at.vertices.rests == 0
             && (is_wide(search, lanes) || sees_several(search, lanes & search.bounce.rays.active));
         let name = [numbers.index[0], numbers.depth, group as u32];
         let chosen = (numbers.stream.single(Single::LobeLane, name) * count as f32) as u32;

@@ -1,0 +1,118 @@
+//! Bounces that drift with what they meet, and lobes over which directions rest, against finite
+//! differences, the other sweep, and the noise of differences.
+
+use common::comparison::Interior::Fails;
+use common::comparison::*;
+use common::materials::Paint;
+use common::scenes::*;
+use common::shapes::Shape;
+use common::transposition::transposed;
+use common::{direction, gradient, settings};
+use glam::{Vec3, vec3};
+use warpath::methods::Method;
+use warpath::scene::Distribution::Ggx;
+use warpath::scene::Scene;
+
+const MOVED: (&str, &[f32]) = ("thing.translation", &[1.0, 0.3, 0.2]);
+const TURNED: (&str, &[f32]) = ("thing.rotation", &[0.3, 1.0, 0.4]);
+const BY_CAMERA: (&str, &[f32]) = ("cam.translation", &[0.5, 0.2, 0.3]);
+
+/// A floor that is lit over a thing beside it, which the camera does not see: all that moves is seen
+/// along bounces.
+fn beside(thing: Shape) -> Scene {
+    let at = vec3(0.0, 0.0, 0.0);
+    scene(vec3(0.0, -3.0, 3.0), at, 9.0, [8; 2], GAUSSIAN)
+        .depth(3)
+        .solid("floor", floor(0.6, 0.0), [0.7, 0.6, 0.5])
+        .smooth("thing", thing, [0.5; 3])
+        .light("lamp", ceiling(vec3(-0.5, 0.1, 1.6), 0.4), [5.0, 6.0, 4.0])
+}
+
+fn metal_ball() -> Scene {
+    beside(ball(3, vec3(0.9, 0.1, 0.5), 0.4)).metal("thing", 0.15, Ggx)
+}
+
+/// A ball whose normals turn by many times as much as a ball's.
+fn dented(centre: Vec3, radius: f32) -> Shape {
+    let (mut positions, triangles) = ball(3, centre, radius);
+    for p in &mut positions {
+        let d = (*p - centre) / radius;
+        let waves = (11.0 * d.x).sin() * (13.0 * d.y).sin() + (12.0 * d.z).sin();
+        *p += 0.08 * waves * radius * d;
+    }
+    (positions, triangles)
+}
+
+/// It in an even sky, above a floor.
+fn seen(paint: impl Fn(Scene) -> Scene) -> Scene {
+    let thing = dented(vec3(0.0, 0.0, 0.45), 0.35);
+    let from = vec3(0.3, -3.0, 1.6);
+    let scene = scene(from, vec3(0.0, 0.0, 0.35), 20.0, [10; 2], GAUSSIAN)
+        .depth(4)
+        .solid("floor", floor(0.7, 0.0), [0.7, 0.3, 0.2])
+        .smooth("thing", thing, [0.6; 3])
+        .constant_environment(SKY);
+    paint(scene)
+}
+
+fn of_glass() -> Scene {
+    seen(|scene| scene.glass("thing", 0.15)).depth(5)
+}
+
+#[test]
+fn a_ball_of_metal_that_a_floor_sees() {
+    for part in [MOVED, BY_CAMERA] {
+        check_to(0.03, &metal_ball(), &[part], 512, None, Fails);
+    }
+}
+
+#[test]
+fn a_dented_thing_of_metal() {
+    let scene = seen(|scene| scene.metal("thing", 0.15, Ggx));
+    for part in [MOVED, TURNED, BY_CAMERA] {
+        check_to(0.03, &scene, &[part], 256, None, Fails);
+    }
+}
+
+#[test]
+fn a_dented_thing_of_glass() {
+    for part in [MOVED, BY_CAMERA] {
+        check_to(0.03, &of_glass(), &[part], 256, None, Fails);
+    }
+}
+
+#[test]
+fn a_dented_thing_of_paint() {
+    let scene = seen(|scene| scene);
+    for part in [MOVED, TURNED] {
+        check(&scene, &[part], 256, None, Fails);
+    }
+}
+
+#[test]
+fn transposition() {
+    let painted = "thing.bsdf.brdf_0.reflectance.value";
+    transposed(&metal_ball(), Method::Reparam, &[painted]);
+    transposed(&of_glass(), Method::Reparam, &[painted]);
+    let metal = seen(|scene| scene.metal("thing", 0.1, Ggx));
+    transposed(&metal, Method::Reparam, &[painted]);
+    transposed(&seen(|scene| scene), Method::Reparam, &[]);
+}
+
+/// Inside of glass a direction that turned with the normals would turn by many times as much at every
+/// reflection.
+#[test]
+fn its_noise_is_that_of_differences() {
+    let scene = of_glass();
+    let along = direction(&scene, &[MOVED]);
+    let variance = |method| {
+        let run = |seed| gradient(&scene, &settings(&scene, method, 64, seed), &along);
+        let runs: Vec<Vec<f64>> = (0..12).map(run).collect();
+        let mean = |i: usize| runs.iter().map(|r| r[i]).sum::<f64>() / 12.0;
+        let square = |i: usize| runs.iter().map(|r| (r[i] - mean(i)).powi(2)).sum::<f64>();
+        (0..runs[0].len()).map(square).sum::<f64>()
+    };
+    let [ours, differences] = [Method::Reparam, Method::Fd].map(variance);
+    println!("{ours} {differences}");
+    assert!(ours < 4.0 * differences, "{ours} {differences}");
+}
