@@ -13,7 +13,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::settings::{MOST_SAMPLES, RequestedSettings};
 use crate::methods::{EngineError, Pilot, Prepared, Progress, Question, Settings, Workers};
 use crate::optimize::cameras;
-use crate::optimize::config::Config;
+use crate::optimize::config::{Config, Truth};
 use crate::optimize::loss::Comparison;
 use crate::picture::Image;
 use crate::scene::parameters::{self, Target};
@@ -65,7 +65,11 @@ impl Problem {
         let begun = Instant::now();
         let mut scene = load_scene(&config, "scene", &config.scene)?;
         let wanted = match &config.views.cameras {
-            Some(found) => cameras::add(found, &mut scene, config.truth.is_some())?,
+            Some(found) => cameras::add(
+                found,
+                &mut scene,
+                Truth::makes_targets(config.truth.as_ref()),
+            )?,
             None => view::wanted(&config, &scene)?,
         };
         let truth = truth(&config, &scene)?;
@@ -126,7 +130,8 @@ impl Problem {
     ) -> Result<(), Failure> {
         let mut all = Vec::new();
         {
-            let prepared = match &self.truth {
+            let is_rendered = Truth::makes_targets(self.config.truth.as_ref());
+            let prepared = match self.truth.as_ref().filter(|_| is_rendered) {
                 Some(truth) => Some(
                     Prepared::with_workers(
                         truth,

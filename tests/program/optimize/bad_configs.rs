@@ -3,9 +3,12 @@
 use super::{CONFIG, optimize};
 use crate::workplace::workplace;
 
+/// Where the good configuration has its targets from.
+const VIEWS: &str = "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"";
+
 /// What of the good configuration is replaced, by what, and a part of the message.
 // Long: a table.
-const BAD: [(&str, &str, &str); 62] = [
+const BAD: [(&str, &str, &str); 72] = [
     (
         "scene = \"s.xml\"",
         "",
@@ -68,7 +71,7 @@ const BAD: [(&str, &str, &str); 62] = [
         "defines.sied: the scene has no such parameter; the nearest is \"side\"",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "",
         "view: nothing says what the images should be; write [[view]] with a target",
     ),
@@ -83,47 +86,43 @@ const BAD: [(&str, &str, &str); 62] = [
         "no.xml: there is no such file",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\nsensor = 0",
         "view 0 has no target; write target = \"photo.png\", or [truth]",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"no.png\"",
         "no.png: No such file",
     ),
+    (VIEWS, "[[view]]\ntarget = \"text.exr\"", "text.exr"),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
-        "[[view]]\ntarget = \"text.exr\"",
-        "text.exr",
-    ),
-    (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"turned.npy\"",
         "of another shape; give a picture of its shape",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = \"cma\"",
         "there is no sensor \"cma\"; the scene has cam, second",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = 7",
         "sensor 7: the scene has 2 sensors",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = 0.5",
         "view.0.sensor: write a sensor's id, or its number",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nmask = \"alpha\"",
         "it has no alpha; name a mask's file instead",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\ntarged = 1",
         "view.0.targed: view.0 has no such key; the nearest known name is \"target\"",
     ),
@@ -307,6 +306,56 @@ const BAD: [(&str, &str, &str); 62] = [
         "start = [0.1, 0, 0]",
         "total_variation = 1",
         "total_variation: it is for textures alone",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"no.json\"",
+        "bad.toml:5:1: cameras: no.json: there is no such file",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \"sparse\"\nimages = \"images\"",
+        "cameras: sparse/cameras.txt: there is no such file",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \"sparse\"",
+        "cameras.images: it is missing; write the folder of COLMAP's pictures",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"t.json\"\nimages = \"images\"",
+        "bad.toml:7:10: cameras.images: transforms.json names its pictures; take it out",
+    ),
+    (
+        VIEWS,
+        "[cameras]\nalpha = true",
+        "write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \".\"\nimages = \".\"\nmasks = \".\"\nalpha = true",
+        "bad.toml:8:9: cameras.masks: masks are either alpha or files; take one out",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"t.json\"\nmasks = \"masks\"",
+        "cameras.masks: transforms.json names its masks, as mask_path of each frame; take it out",
+    ),
+    (
+        "[truth]",
+        "[cameras]\ntransforms = \"t.json\"\n\n[truth]",
+        "view: give either [[view]] or [cameras], which brings its own views",
+    ),
+    (
+        "spp = 64",
+        "targets = \"photos\"",
+        "bad.toml:6:11: truth.targets: there is no \"photos\"; write one of rendered, pictures",
+    ),
+    (
+        "spp = 64",
+        "targets = \"pictures\"",
+        "view 0 has no target; write target = \"photo.png\", or [truth]",
     ),
 ];
 
