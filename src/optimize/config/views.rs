@@ -206,7 +206,7 @@ fn cameras(table: &Table, folder: &Path) -> Result<Option<Cameras>, Failure> {
         }
         _ => {
             let what = "write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images";
-            return Err(inner.error("", what));
+            return Err(table.error("cameras", what));
         }
     };
     inner.finish()?;

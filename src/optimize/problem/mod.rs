@@ -170,13 +170,7 @@ impl Problem {
                 )?);
             }
         }
-        for (i, view) in all.into_iter().enumerate() {
-            let out = self.config.views.hold_out;
-            match out.is_some_and(|n| (i as u64 + 1).is_multiple_of(n)) {
-                true => self.held_out.push(view),
-                false => self.views.push(view),
-            }
-        }
+        self.hold_out(all)?;
         if self.views.is_empty() {
             return Err(Failure::Input(format!(
                 "{}: there is no view to fit; give [[view]], or cameras",
@@ -196,6 +190,25 @@ impl Problem {
             for view in &self.views {
                 view::check_factor(view, &self.base.scene, self.downscale(step) as u64)
                     .map_err(|what| self.config.places.wrong("render.downscale", what))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Parts the views that are fitted from those that are not.
+    fn hold_out(&mut self, all: Vec<View>) -> Result<(), Failure> {
+        let out = self.config.views.hold_out;
+        if let Some(n) = out.filter(|n| *n > all.len() as u64) {
+            let what = format!(
+                "every {n} views one is left out, and there are {}; write a smaller number",
+                all.len()
+            );
+            return Err(self.config.places.wrong("views.hold_out", what));
+        }
+        for (i, view) in all.into_iter().enumerate() {
+            match out.is_some_and(|n| (i as u64 + 1).is_multiple_of(n)) {
+                true => self.held_out.push(view),
+                false => self.views.push(view),
             }
         }
         Ok(())

@@ -8,7 +8,7 @@ const VIEWS: &str = "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"";
 
 /// What of the good configuration is replaced, by what, and a part of the message.
 // Long: a table.
-const BAD: [(&str, &str, &str); 72] = [
+const BAD: [(&str, &str, &str); 73] = [
     (
         "scene = \"s.xml\"",
         "",
@@ -38,12 +38,12 @@ const BAD: [(&str, &str, &str); 72] = [
     (
         "steps = 6",
         "steps = 2.5",
-        "bad.toml:2:9: steps: write a whole number from 1 to",
+        "bad.toml:2:9: steps: write a whole number from 1 to 10000000, not 2.5",
     ),
     (
         "steps = 6",
         "steps = 6\nsteps = 7",
-        "bad.toml:3:1: not TOML: duplicate key",
+        "bad.toml:3:1: not TOML: this key is written twice; take one out",
     ),
     (
         "steps = 6",
@@ -78,7 +78,7 @@ const BAD: [(&str, &str, &str); 72] = [
     (
         "spp = 64",
         "spp = 64.0",
-        "truth.spp: write a whole number from 1 to 1048576",
+        "truth.spp: write a whole number from 1 to 1048576, not 64.0",
     ),
     (
         "spp = 64",
@@ -126,7 +126,11 @@ const BAD: [(&str, &str, &str); 72] = [
         "[[view]]\ntarget = \"target.npy\"\ntarged = 1",
         "view.0.targed: view.0 has no such key; the nearest known name is \"target\"",
     ),
-    ("seed = 3", "view = 3", "not TOML: duplicate key"),
+    (
+        "seed = 3",
+        "view = 3",
+        "bad.toml:8:3: not TOML: this key is written twice",
+    ),
     (
         "spp = 8\n",
         "spp = 0\n",
@@ -290,7 +294,7 @@ const BAD: [(&str, &str, &str); 72] = [
     (
         "start = [0.1, 0, 0]",
         "min = 1",
-        "it starts at 0, which is not between 1 and inf",
+        "it starts at 0, which is not between 1 and inf; write another start, min or max",
     ),
     (
         "start = [0.1, 0, 0]",
@@ -330,7 +334,7 @@ const BAD: [(&str, &str, &str); 72] = [
     (
         VIEWS,
         "[cameras]\nalpha = true",
-        "write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images",
+        "bad.toml:5:1: cameras: write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images",
     ),
     (
         VIEWS,
@@ -356,6 +360,11 @@ const BAD: [(&str, &str, &str); 72] = [
         "spp = 64",
         "targets = \"pictures\"",
         "view 0 has no target; write target = \"photo.png\", or [truth]",
+    ),
+    (
+        "seed = 3",
+        "views = { hold_out = 2 }",
+        "bad.toml:3:22: views.hold_out: every 2 views one is left out, and there are 1; write a smaller number",
     ),
 ];
 
