@@ -106,6 +106,8 @@ fn the_photograph_is_what_its_camera_sees() {
         "--set",
         "steps=1",
         "--set",
+        "render.spp=512",
+        "--set",
         "parameters.\"card.translation\".start=[0, 0, 0]",
     ];
     let mut losses = Vec::new();
