@@ -25,6 +25,9 @@ use std::time::Instant;
 use variable::Variable;
 use view::View;
 
+/// What a mask has where shapes cover all of a pixel, up to rounding.
+const WHOLE: f32 = 0.999;
+
 /// What the machine gives.
 #[derive(Clone)]
 pub struct Machine {
@@ -247,9 +250,22 @@ impl Problem {
 
     /// The image of one view compared with its target, at a step.
     pub fn comparison(&self, view: &View, step: u64) -> Comparison {
-        let (target, mask) = view::shrunk(view, self.downscale(step));
+        let (target, weights) = self.counted(view, self.downscale(step));
         let loss = &self.config.loss;
-        Comparison::new(loss.kind, target, mask, loss.pyramid)
+        Comparison::new(loss.kind, target, weights, loss.pyramid)
+    }
+
+    /// A view's target, smaller by a factor, and how much the colours of its pixels count: as its
+    /// mask says. Where that is what shapes cover, a pixel that they cover in part has mixed in what
+    /// is behind them, and does not count.
+    pub fn counted(&self, view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
+        let (target, mut weights) = view::shrunk(view, factor);
+        if self.silhouette.is_some() {
+            for weight in weights.iter_mut().flatten() {
+                *weight = f32::from(*weight >= WHOLE);
+            }
+        }
+        (target, weights)
     }
 
     /// What the shapes cover compared with a view's mask, at a step.

@@ -42,10 +42,12 @@ pub fn all(problem: &Problem, now: &Scene) -> Vec<ColourDistance> {
             let Some(known) = truth.meshes.iter().find(|mesh| mesh.id == *id) else {
                 continue;
             };
-            if !has(now, now.meshes[m].material, t) || known.uvs.is_empty() {
+            let picture = &truth.textures[wanted];
+            let is_constant = picture.texels.len() == 1;
+            if is_constant || known.uvs.is_empty() || !has(now, now.meshes[m].material, t) {
                 continue;
             }
-            let known = (known, &truth.textures[wanted]);
+            let known = (known, picture);
             let of = |scene: &Scene| distance(known, (&scene.meshes[m], &scene.textures[t]));
             found.push(ColourDistance {
                 mesh: id.clone(),

@@ -155,12 +155,14 @@ fn strips(
     let now = views::render(problem, scene, &all, progress)?;
     let start = views::render(problem, &problem.start, &all, progress)?;
     for (number, view) in all.iter().enumerate() {
-        let strip = Strip::new(&start[number], &now[number], &view.target).png()?;
+        let (target, weights) = problem.counted(view, 1);
+        let images = [&start[number], &now[number], &target];
+        let strip = Strip::new(images, weights.as_deref()).png()?;
         let name = format!("view-{}.png", plain(&view.name));
         write(directory, &name, &strip, out)?;
         let is_held_out = number >= problem.views.len();
         if is_held_out {
-            let psnr = views::psnr_db(&now[number], view);
+            let psnr = views::psnr_db(&now[number], &target, weights.as_deref());
             out.held_out.push((view.name.clone(), psnr));
         }
         let held = if is_held_out { ", held out" } else { "" };

@@ -32,8 +32,9 @@ pub fn measure(
         else {
             continue;
         };
-        if !matches!(parameter.target, Some(Target::Texels(_))) {
-            continue;
+        match parameter.target {
+            Some(Target::Texels(t)) if truth.textures[t].texels.len() > 1 => (),
+            _ => continue,
         }
         let weights = weights(problem, truth, &parameter, progress)?;
         let start = variable.start(&problem.base.scene)?;
@@ -68,7 +69,7 @@ fn weights(
             }),
             ..problem.settings.clone()
         };
-        let counts = counts(view);
+        let counts = counts(problem, view);
         let asked = std::slice::from_ref(parameter);
         let objective = Objective::Adjoint(&counts);
         let done = prepared
@@ -83,15 +84,13 @@ fn weights(
 }
 
 /// One where a pixel counts.
-fn counts(view: &View) -> Image {
-    let pixels = match &view.mask {
-        Some(mask) => mask.iter().map(|&w| [w; 3]).collect(),
-        None => vec![[1.0; 3]; view.target.pixels.len()],
+fn counts(problem: &Problem, view: &View) -> Image {
+    let (target, weights) = problem.counted(view, 1);
+    let pixels = match weights {
+        Some(weights) => weights.iter().map(|&w| [w; 3]).collect(),
+        None => vec![[1.0; 3]; target.pixels.len()],
     };
-    Image {
-        pixels,
-        ..view.target.clone()
-    }
+    Image { pixels, ..target }
 }
 
 fn failed(error: EngineError) -> Failure {

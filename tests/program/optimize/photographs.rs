@@ -65,12 +65,11 @@ fn studio() -> tempfile::TempDir {
 fn mask(at: &Path, halves: [u8; 2]) {
     let row: Vec<u8> = (0..40).map(|x| halves[x / 20]).collect();
     std::fs::create_dir_all(at.join("masks")).unwrap();
-    let file = std::fs::File::create(at.join("masks/image.png")).unwrap();
-    let mut encoder = png::Encoder::new(file, 40, 30);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header().unwrap();
-    writer.write_image_data(&row.repeat(30)).unwrap();
+    let file = at.join("masks/image.png");
+    image::GrayImage::from_raw(40, 30, row.repeat(30))
+        .unwrap()
+        .save(file)
+        .unwrap();
 }
 
 fn run(at: &Path, cameras: &str, arguments: &[&str]) -> (Option<i32>, String) {
@@ -181,4 +180,35 @@ fn pictures_of_one_name_in_two_folders_are_two_cameras() {
         code == Some(3) && said.contains("two cameras are called \"image\""),
         "{said}"
     );
+}
+
+/// Where a mask is what shapes cover, a pixel that is covered in part shows what is behind them, too.
+#[test]
+fn colours_count_where_shapes_cover_all_of_a_pixel() {
+    let directory = studio();
+    let at = directory.path();
+    mask(at, [255, 128]);
+    let photograph = at.join("photo/image.png");
+    let own = image::open(&photograph).unwrap().to_rgb8();
+    let mut painted = own.clone();
+    for (x, _, pixel) in painted.enumerate_pixels_mut() {
+        if x >= 20 {
+            *pixel = image::Rgb([255, 0, 0]);
+        }
+    }
+    let covers = "loss.silhouette={ shapes = \"floor card\", weight = 1e-9 }";
+    let mut losses = Vec::new();
+    for picture in [&own, &painted] {
+        picture.save(&photograph).unwrap();
+        for loss in [covers, "loss.kind=\"l2\""] {
+            let (code, said) = run(at, BY_NERF, &["--set", "steps=1", "--set", loss]);
+            assert_eq!(code, Some(0), "{said}");
+            losses.push(report(at)["first"]["loss"].as_f64().unwrap());
+        }
+    }
+    let [covered, weighed, covered_painted, weighed_painted] = losses[..] else {
+        unreachable!()
+    };
+    assert!((covered_painted / covered - 1.0).abs() < 1e-4, "{losses:?}");
+    assert!(weighed_painted > 2.0 * weighed, "{losses:?}");
 }
