@@ -116,6 +116,12 @@ fn lines(summary: &Summary) -> Vec<String> {
             "{}: {:.3e} off the known scene (RMS), {:.3e} at the start",
             error.key, error.end, error.start
         ));
+        if let (Some(start), Some(end)) = (error.seen_start, error.seen_end) {
+            lines.push(format!(
+                "{}: {end:.3e} off where the views see it, {start:.3e} at the start",
+                error.key
+            ));
+        }
     }
     lines.extend(summary.known.iter().cloned());
     if summary.own_steps > 0 {
@@ -164,6 +170,7 @@ fn report(
         "mean_loss_of_round": { "first": summary.round_losses[0], "last": summary.round_losses[1] },
         "parameter_errors": summary.errors,
         "mesh_distances": summary.distances,
+        "colour_distances": summary.colours,
         "held_out_psnr_db": summary.held_out.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "seconds": summary.statistics.seconds,
         "rays": summary.statistics.rays,

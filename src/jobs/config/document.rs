@@ -157,7 +157,11 @@ fn put(root: &mut Node, keys: &[String], value: Node, place: &str) -> Result<(),
 fn read(text: &str, place: &dyn Fn(usize) -> String) -> Result<Node, Failure> {
     let table = DeTable::parse(text).map_err(|error| {
         let at = place(error.span().map_or(0, |span| span.start));
-        Failure::Input(format!("{at}: not TOML: {}", error.message().trim()))
+        let what = match error.message().trim() {
+            "duplicate key" => "this key is written twice; take one out",
+            other => other,
+        };
+        Failure::Input(format!("{at}: not TOML: {what}"))
     })?;
     let at = place(0);
     let value = of_table(table.into_inner(), place)?;
@@ -189,7 +193,7 @@ fn of_value(value: Spanned<DeValue>, place: &dyn Fn(usize) -> String) -> Result<
             _ => return Err(wrong(format!("{number} is not a finite number"))),
         },
         DeValue::Datetime(_) => {
-            let what = "a date or a time; nothing here is one".to_string();
+            let what = "a date or a time; write a number, or a text in quotes".to_string();
             return Err(wrong(what));
         }
         DeValue::Array(list) => Value::List(

@@ -138,6 +138,8 @@ impl<'a> Table<'a> {
                     Ok(Some(n as u64))
                 }
                 Value::Whole(n) => Err(self.error(key, format!("write {wanted}, not {n}"))),
+                // With its point: 64.0 is no whole number.
+                Value::Number(n) => Err(self.error(key, format!("write {wanted}, not {n:?}"))),
                 _ => self.unlike(key, node, &wanted),
             },
         }

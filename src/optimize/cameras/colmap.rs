@@ -7,10 +7,10 @@ use crate::jobs::failure::Failure;
 use crate::output::FileError;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Reads the cameras of a model; its pictures are in `images`.
-pub fn read(folder: &Path, images: &Path) -> Result<Vec<Found>, Failure> {
+/// Reads the cameras of a model; its pictures are in `images`, and their masks in `masks`.
+pub fn read(folder: &Path, images: &Path, masks: Option<&Path>) -> Result<Vec<Found>, Failure> {
     let lenses = lines(&folder.join("cameras.txt"), |text| {
         let fields: Vec<&str> = text.split_whitespace().collect();
         let id = fields.first().copied().unwrap_or_default().to_string();
@@ -23,7 +23,7 @@ pub fn read(folder: &Path, images: &Path) -> Result<Vec<Found>, Failure> {
     let found = lines_raw(&file, |text| {
         is_picture = !is_picture;
         match is_picture {
-            true => picture(text, &lenses, images).map(Some),
+            true => picture(text, &lenses, [Some(images), masks]).map(Some),
             false => Ok(None),
         }
     })?;
@@ -83,7 +83,11 @@ fn lens(fields: &[&str]) -> Result<Lens, String> {
     })
 }
 
-fn picture(text: &str, lenses: &BTreeMap<String, Lens>, images: &Path) -> Result<Found, String> {
+fn picture(
+    text: &str,
+    lenses: &BTreeMap<String, Lens>,
+    [images, masks]: [Option<&Path>; 2],
+) -> Result<Found, String> {
     let fields: Vec<&str> = text.split_whitespace().collect();
     let wrong = "an image is IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME";
     let [_, pose @ .., camera, name] = fields.as_slice() else {
@@ -106,17 +110,23 @@ fn picture(text: &str, lenses: &BTreeMap<String, Lens>, images: &Path) -> Result
     let lens = lenses
         .get(*camera)
         .ok_or_else(|| format!("cameras.txt has no camera {camera}"))?;
-    let path = Path::new(name);
+    let named = Path::new(name);
     Ok(Found {
-        name: path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
+        named: named.into(),
         to_world: to_world(turn.normalize(), DVec3::new(tx, ty, tz)),
         lens: *lens,
-        picture: images.join(path),
+        picture: images.unwrap_or(Path::new("")).join(named),
+        mask: masks.map(|masks| mask(masks, name)),
     })
+}
+
+/// The mask of a/b.jpg is a/b.jpg.png, as COLMAP has it, or a/b.png.
+fn mask(masks: &Path, name: &str) -> PathBuf {
+    let full = masks.join(format!("{name}.png"));
+    match full.exists() {
+        true => full,
+        false => masks.join(name).with_extension("png"),
+    }
 }
 
 /// From world to camera, +x to the right and +y down, as COLMAP has it.
@@ -195,9 +205,10 @@ mod tests {
         let images =
             "# comment\n1 1 0 0 0 0 0 0 1 a/b.png\n1.5 2.5 -1\n2 1 0 0 0 0 0 0 2 c.jpg\n\n";
         std::fs::write(at.join("images.txt"), images).unwrap();
-        let found = read(at, Path::new("pictures")).unwrap();
+        let found = read(at, Path::new("pictures"), Some(Path::new("masks"))).unwrap();
         assert_eq!(found.len(), 2);
         assert_eq!(found[0].picture, Path::new("pictures/a/b.png"));
+        assert_eq!(found[1].mask.as_deref(), Some(Path::new("masks/c.png")));
         let (angle, offset) = found[0].lens.settle([200, 100]);
         assert!((f64::from(angle) - 2.0 * (100.0f64 / 150.0).atan()).abs() < 1e-6);
         assert!((offset.x - 0.05).abs() < 1e-6 && offset.y == 0.0);
@@ -212,7 +223,7 @@ mod tests {
             ("3 PINHOLE 200 100 150 150 90 50", "no camera 1"),
         ] {
             std::fs::write(at.join("cameras.txt"), wrong).unwrap();
-            let said = read(at, Path::new("")).err().unwrap().to_string();
+            let said = read(at, Path::new(""), None).err().unwrap().to_string();
             assert!(said.contains(part), "{said}");
         }
     }

@@ -6,9 +6,12 @@ use std::path::PathBuf;
 
 /// A camera with its picture.
 pub struct Found {
-    pub name: String,
+    /// What the file calls its picture.
+    pub named: PathBuf,
     /// Camera to world, with the axes used here.
     pub to_world: DAffine3,
     pub lens: Lens,
     pub picture: PathBuf,
+    /// A picture of what counts, if the file or the configuration names one.
+    pub mask: Option<PathBuf>,
 }

@@ -8,54 +8,89 @@ mod found;
 mod lens;
 mod transforms;
 
-use super::config::{Cameras, MaskFrom};
+use super::config::{Cameras, CamerasFrom, MaskFrom};
 use super::problem::view::Wanted;
 use crate::jobs::failure::Failure;
 use crate::output::picture::PictureFile;
 use crate::scene::{Film, Scene, Sensor};
 use found::Found;
 use glam::Affine3A;
+use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Adds the cameras to the scene, and says which views they are. Of a known scene, whose targets
-/// are rendered, no pictures are looked for.
-pub fn add(cameras: &Cameras, scene: &mut Scene, has_truth: bool) -> Result<Vec<Wanted>, Failure> {
-    let (found, place, alpha) = match cameras {
-        Cameras::Transforms { file, place, alpha } => (transforms::read(file)?, place, *alpha),
-        Cameras::Colmap {
+/// Adds the cameras to the scene, and says which views they are. Where targets are rendered, no
+/// pictures are looked for.
+pub fn add(
+    cameras: &Cameras,
+    scene: &mut Scene,
+    is_rendered: bool,
+) -> Result<Vec<Wanted>, Failure> {
+    let wrong = |what: String| Failure::Input(format!("{}: {what}", cameras.place));
+    if let Some(file) = cameras.from.files().iter().find(|file| !file.exists()) {
+        return Err(wrong(format!("{}: there is no such file", file.display())));
+    }
+    let found = match &cameras.from {
+        CamerasFrom::Transforms(file) => transforms::read(file)?,
+        CamerasFrom::Colmap {
             folder,
             images,
-            place,
-            alpha,
-        } => (colmap::read(folder, images)?, place, *alpha),
+            masks,
+        } => colmap::read(folder, images, masks.as_deref())?,
     };
     let Some(like) = scene.sensors.first().cloned() else {
-        return Err(Failure::Input(format!("{place}: the scene has no sensor")));
+        return Err(wrong("the scene has no sensor".into()));
     };
+    let ids = ids(&found);
     let mut wanted = Vec::new();
-    for camera in found {
-        let size = match (camera.lens.size, has_truth) {
+    for (camera, id) in found.into_iter().zip(ids) {
+        if scene.sensors.iter().any(|other| other.id == id) {
+            return Err(wrong(format!(
+                "two cameras are called \"{id}\"; rename a picture, or the scene's sensor"
+            )));
+        }
+        let size = match (camera.lens.size, is_rendered) {
             (Some(size), _) => size,
             (None, true) => like.film.crop_size,
             (None, false) => size_of(&camera.picture)?,
         };
+        let mask = match cameras.alpha {
+            true => Some(MaskFrom::Alpha),
+            false => camera.mask.clone().map(MaskFrom::File),
+        };
         wanted.push(Wanted {
-            place: place.clone(),
+            place: cameras.place.clone(),
             sensor: scene.sensors.len(),
-            target: (!has_truth).then(|| camera.picture.clone()),
-            mask: (alpha && !has_truth).then_some(MaskFrom::Alpha),
+            target: (!is_rendered).then(|| camera.picture.clone()),
+            mask: mask.filter(|_| !is_rendered),
         });
-        scene.sensors.push(sensor(camera, size, &like));
+        scene.sensors.push(sensor(camera, id, size, &like));
     }
     Ok(wanted)
 }
 
+/// The names of the pictures without endings, and without folders if they differ without them.
+fn ids(found: &[Found]) -> Vec<String> {
+    let stem = |camera: &Found| {
+        let stem = camera.named.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    };
+    let path = |camera: &Found| {
+        let path = camera.named.with_extension("");
+        path.to_string_lossy().into_owned()
+    };
+    let stems: Vec<String> = found.iter().map(stem).collect();
+    match stems.iter().collect::<BTreeSet<_>>().len() == found.len() {
+        true => stems,
+        false => found.iter().map(path).collect(),
+    }
+}
+
 /// With the filter, the clips and the samples of another sensor.
-fn sensor(camera: Found, size: [u32; 2], like: &Sensor) -> Sensor {
+fn sensor(camera: Found, id: String, size: [u32; 2], like: &Sensor) -> Sensor {
     let (x_fov_rad, principal_point_offset) = camera.lens.settle(size);
     let to_world = camera.to_world;
     Sensor {
-        id: camera.name,
+        id,
         to_world: Affine3A::from_mat3_translation(
             to_world.matrix3.as_mat3(),
             to_world.translation.as_vec3(),

@@ -9,6 +9,16 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
+/// Camera models that are pinholes where their distortion is none.
+const STRAIGHT: [&str; 6] = [
+    "PINHOLE",
+    "SIMPLE_PINHOLE",
+    "PERSPECTIVE",
+    "SIMPLE_RADIAL",
+    "RADIAL",
+    "OPENCV",
+];
+
 #[derive(Deserialize)]
 struct Document {
     #[serde(flatten)]
@@ -20,13 +30,15 @@ struct Document {
 struct Frame {
     file_path: String,
     transform_matrix: Vec<Vec<f64>>,
+    mask_path: Option<PathBuf>,
     /// Of this frame alone.
     #[serde(flatten)]
     lens: LensFields,
 }
 
-#[derive(Deserialize, Default, Clone, Copy)]
+#[derive(Deserialize, Default, Clone)]
 struct LensFields {
+    camera_model: Option<String>,
     camera_angle_x: Option<f64>,
     fl_x: Option<f64>,
     fl_y: Option<f64>,
@@ -36,6 +48,8 @@ struct LensFields {
     h: Option<f64>,
     k1: Option<f64>,
     k2: Option<f64>,
+    k3: Option<f64>,
+    k4: Option<f64>,
     p1: Option<f64>,
     p2: Option<f64>,
 }
@@ -65,8 +79,10 @@ pub fn read(file: &Path) -> Result<Vec<Found>, Failure> {
 }
 
 fn found(frame: &Frame, shared: &LensFields, folder: &Path) -> Result<Found, String> {
-    let own = frame.lens;
+    let own = frame.lens.clone();
+    let model = own.camera_model.or_else(|| shared.camera_model.clone());
     let fields = LensFields {
+        camera_model: model,
         camera_angle_x: own.camera_angle_x.or(shared.camera_angle_x),
         fl_x: own.fl_x.or(shared.fl_x),
         fl_y: own.fl_y.or(shared.fl_y),
@@ -76,19 +92,31 @@ fn found(frame: &Frame, shared: &LensFields, folder: &Path) -> Result<Found, Str
         h: own.h.or(shared.h),
         k1: own.k1.or(shared.k1),
         k2: own.k2.or(shared.k2),
+        k3: own.k3.or(shared.k3),
+        k4: own.k4.or(shared.k4),
         p1: own.p1.or(shared.p1),
         p2: own.p2.or(shared.p2),
     };
     Ok(Found {
-        name: name(&frame.file_path),
+        named: PathBuf::from(&frame.file_path),
         to_world: to_world(&frame.transform_matrix)?,
         lens: lens(&fields)?,
         picture: picture(folder, &frame.file_path),
+        mask: frame.mask_path.as_ref().map(|mask| folder.join(mask)),
     })
 }
 
 fn lens(fields: &LensFields) -> Result<Lens, String> {
-    let bent = [fields.k1, fields.k2, fields.p1, fields.p2];
+    if let Some(model) = &fields.camera_model
+        && !STRAIGHT.contains(&model.as_str())
+    {
+        return Err(format!(
+            "the camera_model {model} is not supported; undistort the pictures to PINHOLE"
+        ));
+    }
+    let bent = [
+        fields.k1, fields.k2, fields.k3, fields.k4, fields.p1, fields.p2,
+    ];
     if bent.iter().flatten().any(|k| *k != 0.0) {
         return Err("its lens is distorted; undistort the pictures first".into());
     }
@@ -160,11 +188,6 @@ fn picture(folder: &Path, path: &str) -> PathBuf {
     }
 }
 
-fn name(path: &str) -> String {
-    let name = Path::new(path).file_stem().unwrap_or_default();
-    name.to_string_lossy().into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,12 +228,20 @@ mod tests {
             },
             LensFields {
                 fl_y: Some(60.0),
-                ..fields
+                ..fields.clone()
             },
             LensFields {
                 w: None,
                 h: None,
-                ..fields
+                ..fields.clone()
+            },
+            LensFields {
+                camera_model: Some("OPENCV_FISHEYE".into()),
+                ..fields.clone()
+            },
+            LensFields {
+                k3: Some(0.1),
+                ..fields.clone()
             },
             LensFields::default(),
             LensFields {

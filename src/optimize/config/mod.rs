@@ -14,7 +14,7 @@ pub use parameter::{ParameterSettings, Remeshing, Reparameterisation, Start};
 pub use places::Places;
 pub use render::{Adaptive, RenderSettings};
 pub use schedule::{How, Schedule};
-pub use views::{Cameras, MaskFrom, Order, Truth, ViewSettings, ViewsSettings};
+pub use views::{Cameras, CamerasFrom, MaskFrom, Order, Truth, ViewSettings, ViewsSettings};
 
 use crate::jobs::config::document::{self, Node};
 use crate::jobs::config::table::Table;
@@ -97,6 +97,7 @@ fn of_document(root: &Node, file: &Path, hash: u64) -> Result<Config, Failure> {
         .text("scene")?
         .ok_or_else(|| table.error("scene", "it is missing; write scene = \"scene.xml\""))?;
     let steps = table.count("steps", 1, MOST_STEPS)?;
+    let truth = views::truth(&table, folder)?;
     let config = Config {
         file: file.into(),
         hash,
@@ -108,8 +109,8 @@ fn of_document(root: &Node, file: &Path, hash: u64) -> Result<Config, Failure> {
         optimizer: optimizer::read(&table)?,
         loss: loss::read(&table)?,
         parameters: parameter::read(&table, folder)?,
-        truth: views::truth(&table, folder)?,
-        views: views::read(&table, folder)?,
+        views: views::read(&table, folder, Truth::makes_targets(truth.as_ref()))?,
+        truth,
         stop: stop(&table)?,
         output: output(&table)?,
         places: Places::of(root, file.display().to_string()),

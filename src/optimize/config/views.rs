@@ -46,31 +46,57 @@ pub enum MaskFrom {
 
 /// Cameras that other programs have found.
 #[derive(Clone, Debug)]
-pub enum Cameras {
-    /// NeRF's `transforms.json`, with its pictures.
-    Transforms {
-        file: PathBuf,
-        place: String,
-        alpha: bool,
-    },
-    /// A folder with COLMAP's `cameras.txt` and `images.txt`, and that of the pictures.
+pub struct Cameras {
+    pub from: CamerasFrom,
+    pub place: String,
+    /// Whether the pictures' alpha is their mask.
+    pub alpha: bool,
+}
+
+/// The files that say where the cameras are.
+#[derive(Clone, Debug)]
+pub enum CamerasFrom {
+    /// NeRF's `transforms.json`, which names its pictures and their masks.
+    Transforms(PathBuf),
+    /// A folder with COLMAP's `cameras.txt` and `images.txt`, that of the pictures, and that of
+    /// their masks.
     Colmap {
         folder: PathBuf,
         images: PathBuf,
-        place: String,
-        alpha: bool,
+        masks: Option<PathBuf>,
     },
 }
 
-/// A scene that is known: targets are rendered of it, and the result is compared with it.
+impl CamerasFrom {
+    /// What is read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Transforms(file) => vec![file.clone()],
+            Self::Colmap { folder, .. } => ["cameras.txt", "images.txt"]
+                .map(|name| folder.join(name))
+                .to_vec(),
+        }
+    }
+}
+
+/// A scene that is known, with which the result is compared.
 #[derive(Clone, Debug)]
 pub struct Truth {
     /// The optimised scene's file if not said.
     pub scene: Option<PathBuf>,
     pub spp: u32,
+    /// Whether it makes the targets; if not, the views have pictures.
+    pub renders: bool,
 }
 
-pub fn read(table: &Table, folder: &Path) -> Result<ViewsSettings, Failure> {
+impl Truth {
+    /// Whether there is a known scene that makes the targets.
+    pub fn makes_targets(truth: Option<&Truth>) -> bool {
+        truth.is_some_and(|truth| truth.renders)
+    }
+}
+
+pub fn read(table: &Table, folder: &Path, is_rendered: bool) -> Result<ViewsSettings, Failure> {
     let list = table.tables("view")?;
     let mut views = ViewsSettings {
         batch: None,
@@ -94,15 +120,14 @@ pub fn read(table: &Table, folder: &Path) -> Result<ViewsSettings, Failure> {
         let what = "give either [[view]] or [cameras], which brings its own views";
         return Err(table.error("view", what));
     }
-    let has_truth = table.keys().contains(&"truth");
-    if views.list.is_empty() && views.cameras.is_none() && !has_truth {
+    if views.list.is_empty() && views.cameras.is_none() && !is_rendered {
         let what = "nothing says what the images should be; write [[view]] with a target, [cameras], or [truth]";
         return Err(table.error("view", what));
     }
     for (i, view) in views.list.iter().enumerate() {
-        if view.target.is_some() == has_truth {
-            let what = match has_truth {
-                true => "[truth] renders the targets; take target out".to_string(),
+        if view.target.is_some() == is_rendered {
+            let what = match is_rendered {
+                true => "[truth] renders the targets; take target out, or write truth.targets = \"pictures\"".to_string(),
                 false => {
                     format!("view {i} has no target; write target = \"photo.png\", or [truth]")
                 }
@@ -152,23 +177,23 @@ fn cameras(table: &Table, folder: &Path) -> Result<Option<Cameras>, Failure> {
         Failure::Input(text) => text.trim_end_matches(['.', ':', ' ']).to_string(),
         _ => String::new(),
     };
-    let [transforms, colmap, images] = [
-        inner.text("transforms")?,
-        inner.text("colmap")?,
-        inner.text("images")?,
-    ];
+    let path = |key: &str| Ok::<_, Failure>(inner.text(key)?.map(|file| folder.join(file)));
+    let [transforms, colmap, images] = [path("transforms")?, path("colmap")?, path("images")?];
+    let masks = path("masks")?;
     let alpha = inner.truth("alpha", false)?;
-    let cameras = match (transforms, colmap, images) {
-        (Some(file), None, None) => Cameras::Transforms {
-            file: folder.join(file),
-            place,
-            alpha,
-        },
-        (None, Some(model), Some(images)) => Cameras::Colmap {
-            folder: folder.join(model),
-            images: folder.join(images),
-            place,
-            alpha,
+    if masks.is_some() && (alpha || colmap.is_none()) {
+        let what = match alpha {
+            true => "masks are either alpha or files; take one out",
+            false => "transforms.json names its masks, as mask_path of each frame; take it out",
+        };
+        return Err(inner.error("masks", what));
+    }
+    let from = match (transforms, colmap, images) {
+        (Some(file), None, None) => CamerasFrom::Transforms(file),
+        (None, Some(folder), Some(images)) => CamerasFrom::Colmap {
+            folder,
+            images,
+            masks,
         },
         (None, Some(_), None) => {
             return Err(inner.error(
@@ -181,11 +206,11 @@ fn cameras(table: &Table, folder: &Path) -> Result<Option<Cameras>, Failure> {
         }
         _ => {
             let what = "write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images";
-            return Err(inner.error("", what));
+            return Err(table.error("cameras", what));
         }
     };
     inner.finish()?;
-    Ok(Some(cameras))
+    Ok(Some(Cameras { from, place, alpha }))
 }
 
 pub fn truth(table: &Table, folder: &Path) -> Result<Option<Truth>, Failure> {
@@ -195,6 +220,7 @@ pub fn truth(table: &Table, folder: &Path) -> Result<Option<Truth>, Failure> {
     let truth = Truth {
         scene: inner.text("scene")?.map(|file| folder.join(file)),
         spp: inner.count("spp", 1, MOST_SAMPLES.into())?.unwrap_or(256) as u32,
+        renders: inner.choice("targets", &["rendered", "pictures"])? != Some("pictures"),
     };
     inner.finish()?;
     Ok(Some(truth))

@@ -13,7 +13,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::settings::{MOST_SAMPLES, RequestedSettings};
 use crate::methods::{EngineError, Pilot, Prepared, Progress, Question, Settings, Workers};
 use crate::optimize::cameras;
-use crate::optimize::config::Config;
+use crate::optimize::config::{Config, Truth};
 use crate::optimize::loss::Comparison;
 use crate::picture::Image;
 use crate::scene::parameters::{self, Target};
@@ -24,6 +24,9 @@ use std::path::Path;
 use std::time::Instant;
 use variable::Variable;
 use view::View;
+
+/// What a mask has where shapes cover all of a pixel, up to rounding.
+const WHOLE: f32 = 0.999;
 
 /// What the machine gives.
 #[derive(Clone)]
@@ -65,7 +68,11 @@ impl Problem {
         let begun = Instant::now();
         let mut scene = load_scene(&config, "scene", &config.scene)?;
         let wanted = match &config.views.cameras {
-            Some(found) => cameras::add(found, &mut scene, config.truth.is_some())?,
+            Some(found) => cameras::add(
+                found,
+                &mut scene,
+                Truth::makes_targets(config.truth.as_ref()),
+            )?,
             None => view::wanted(&config, &scene)?,
         };
         let truth = truth(&config, &scene)?;
@@ -126,7 +133,8 @@ impl Problem {
     ) -> Result<(), Failure> {
         let mut all = Vec::new();
         {
-            let prepared = match &self.truth {
+            let is_rendered = Truth::makes_targets(self.config.truth.as_ref());
+            let prepared = match self.truth.as_ref().filter(|_| is_rendered) {
                 Some(truth) => Some(
                     Prepared::with_workers(
                         truth,
@@ -165,13 +173,7 @@ impl Problem {
                 )?);
             }
         }
-        for (i, view) in all.into_iter().enumerate() {
-            let out = self.config.views.hold_out;
-            match out.is_some_and(|n| (i as u64 + 1).is_multiple_of(n)) {
-                true => self.held_out.push(view),
-                false => self.views.push(view),
-            }
-        }
+        self.hold_out(all)?;
         if self.views.is_empty() {
             return Err(Failure::Input(format!(
                 "{}: there is no view to fit; give [[view]], or cameras",
@@ -191,6 +193,25 @@ impl Problem {
             for view in &self.views {
                 view::check_factor(view, &self.base.scene, self.downscale(step) as u64)
                     .map_err(|what| self.config.places.wrong("render.downscale", what))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Parts the views that are fitted from those that are not.
+    fn hold_out(&mut self, all: Vec<View>) -> Result<(), Failure> {
+        let out = self.config.views.hold_out;
+        if let Some(n) = out.filter(|n| *n > all.len() as u64) {
+            let what = format!(
+                "every {n} views one is left out, and there are {}; write a smaller number",
+                all.len()
+            );
+            return Err(self.config.places.wrong("views.hold_out", what));
+        }
+        for (i, view) in all.into_iter().enumerate() {
+            match out.is_some_and(|n| (i as u64 + 1).is_multiple_of(n)) {
+                true => self.held_out.push(view),
+                false => self.views.push(view),
             }
         }
         Ok(())
@@ -229,9 +250,22 @@ impl Problem {
 
     /// The image of one view compared with its target, at a step.
     pub fn comparison(&self, view: &View, step: u64) -> Comparison {
-        let (target, mask) = view::shrunk(view, self.downscale(step));
+        let (target, weights) = self.counted(view, self.downscale(step));
         let loss = &self.config.loss;
-        Comparison::new(loss.kind, target, mask, loss.pyramid)
+        Comparison::new(loss.kind, target, weights, loss.pyramid)
+    }
+
+    /// A view's target, smaller by a factor, and how much the colours of its pixels count: as its
+    /// mask says. Where that is what shapes cover, a pixel that they cover in part has mixed in what
+    /// is behind them, and does not count.
+    pub fn counted(&self, view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
+        let (target, mut weights) = view::shrunk(view, factor);
+        if self.silhouette.is_some() {
+            for weight in weights.iter_mut().flatten() {
+                *weight = f32::from(*weight >= WHOLE);
+            }
+        }
+        (target, weights)
     }
 
     /// What the shapes cover compared with a view's mask, at a step.

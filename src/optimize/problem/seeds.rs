@@ -11,6 +11,8 @@ pub const DERIVATIVE: u64 = 3;
 pub const PICTURE: u64 = 4;
 /// Of the order of views.
 pub const ORDER: u64 = 5;
+/// Of what the views see of textures.
+pub const SEEN: u64 = 6;
 
 /// A seed for what three numbers name (SplitMix64 over each in turn).
 pub fn of(seed: u64, words: [u64; 3]) -> u64 {

@@ -97,8 +97,7 @@ impl Variable {
     /// Where the optimisation begins.
     pub fn start(&self, scene: &Scene) -> Result<Vec<f64>, Failure> {
         let key = &self.parameter.key;
-        let wrong =
-            |what: String| Failure::Input(format!("{}: {key}: {what}", self.settings.place));
+        let wrong = |what: String| Failure::Input(format!("{}: {what}", self.settings.place));
         let values = match &self.settings.start {
             None => present(scene, &self.parameter),
             Some(Start::Numbers(numbers)) => {
@@ -124,7 +123,7 @@ impl Variable {
         match values.iter().find(|v| !v.is_finite() || !inside(v)) {
             None => Ok(values),
             Some(bad) => Err(wrong(format!(
-                "it starts at {bad}, which is not between {low} and {high}"
+                "it starts at {bad}, which is not between {low} and {high}; write another start, min or max"
             ))),
         }
     }

@@ -17,6 +17,9 @@ pub struct ParameterError {
     /// in a mean of squares.
     pub median: f64,
     pub largest: f64,
+    /// Of textures, `start` and `end` where texels count by how much the views change with them.
+    pub seen_start: Option<f64>,
+    pub seen_end: Option<f64>,
 }
 
 /// Of all parameters that the known scene has too, with as many numbers.
@@ -39,10 +42,12 @@ pub fn all(problem: &Problem, state: &State) -> Vec<ParameterError> {
         differences.sort_by(f64::total_cmp);
         errors.push(ParameterError {
             key: variable.parameter.key.clone(),
-            start: distance(&start, &wanted),
-            end: distance(&values, &wanted),
+            start: distance(&start, &wanted, None),
+            end: distance(&values, &wanted, None),
             median: differences.get(values.len() / 2).copied().unwrap_or(0.0),
             largest: differences.last().copied().unwrap_or(0.0),
+            seen_start: None,
+            seen_end: None,
         });
     }
     errors
@@ -56,19 +61,42 @@ pub fn now(problem: &Problem, values: &[Vec<f32>]) -> Vec<Option<f64>> {
         .map(|(variable, values)| {
             let wanted = wanted(problem, variable).filter(|w| w.len() == values.len())?;
             let values: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
-            Some(distance(&values, &wanted))
+            Some(distance(&values, &wanted, None))
         })
         .collect()
 }
 
 /// A parameter's numbers in the known scene.
-fn wanted(problem: &Problem, variable: &Variable) -> Option<Vec<f64>> {
+pub fn wanted(problem: &Problem, variable: &Variable) -> Option<Vec<f64>> {
     let truth = problem.truth.as_ref()?;
     let parameter = parameters::find(truth, &variable.parameter.key).ok()?;
     Some(present(truth, &parameter))
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-    (squares / a.len().max(1) as f64).sqrt()
+/// The root of the mean of squared differences, by weights if there are any.
+pub fn distance(a: &[f64], b: &[f64], weights: Option<&[f64]>) -> f64 {
+    let (mut squares, mut sum) = (0.0, 0.0);
+    for (i, (a, b)) in a.iter().zip(b).enumerate() {
+        let weight = weights.map_or(1.0, |weights| weights[i]);
+        squares += weight * (a - b).powi(2);
+        sum += weight;
+    }
+    if sum > 0.0 {
+        (squares / sum).sqrt()
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance;
+
+    #[test]
+    fn what_nobody_sees_does_not_count() {
+        let (a, b) = ([0.1, 0.9, 0.5], [0.1, 0.2, 0.8]);
+        assert!((distance(&a, &b, None) - (0.58f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!((distance(&a, &b, Some(&[2.0, 0.0, 1.0])) - 0.03f64.sqrt()).abs() < 1e-12);
+        assert_eq!(distance(&a, &b, Some(&[0.0; 3])), 0.0);
+    }
 }

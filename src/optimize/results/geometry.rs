@@ -40,11 +40,17 @@ pub fn distance(start: &Mesh, now: &Mesh, truth: &Mesh) -> Distance {
 }
 
 /// A point of a surface with the unit normal there.
-type Point = (DVec3, DVec3);
+pub struct Point {
+    pub position: DVec3,
+    normal: DVec3,
+    pub triangle: usize,
+    /// What it mixes the triangle's corners by.
+    pub weights: DVec3,
+}
 
 /// Points evenly over the surface: by area along the triangles, and within each by the additive
 /// recurrence of the plastic number.
-fn points(mesh: &Mesh) -> Vec<Point> {
+pub fn points(mesh: &Mesh) -> Vec<Point> {
     let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
     let mut ends = Vec::with_capacity(mesh.triangles.len());
     let mut sum = 0.0;
@@ -63,8 +69,12 @@ fn points(mesh: &Mesh) -> Vec<Point> {
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            (a + u * (b - a) + v * (c - a), normal)
+            Point {
+                position: a + u * (b - a) + v * (c - a),
+                normal: (b - a).cross(c - a).normalize_or_zero(),
+                triangle,
+                weights: DVec3::new(1.0 - u - v, u, v),
+            }
         })
         .collect()
 }
@@ -72,14 +82,13 @@ fn points(mesh: &Mesh) -> Vec<Point> {
 /// Mean distance to the plane at the nearest point of `to`, and mean angle in degrees.
 fn one_way(from: &[Point], to: &[Point]) -> [f64; 2] {
     let mut sums = [0.0; 2];
-    for (p, n) in from {
-        let near = to.iter().min_by(|a, b| {
-            a.0.distance_squared(*p)
-                .total_cmp(&b.0.distance_squared(*p))
-        });
-        if let Some((q, m)) = near {
-            sums[0] += (*p - *q).dot(*m).abs();
-            sums[1] += n.dot(*m).clamp(-1.0, 1.0).acos().to_degrees();
+    for point in from {
+        let away = |other: &Point| other.position.distance_squared(point.position);
+        let near = to.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        if let Some(near) = near {
+            sums[0] += (point.position - near.position).dot(near.normal).abs();
+            let cosine = point.normal.dot(near.normal).clamp(-1.0, 1.0);
+            sums[1] += cosine.acos().to_degrees();
         }
     }
     sums.map(|sum| sum / from.len().max(1) as f64)

@@ -6,7 +6,6 @@ use super::text::plain;
 use super::{curve, errors};
 use crate::jobs::failure::Failure;
 use crate::optimize::problem::Problem;
-use crate::optimize::problem::view::shrunk;
 use crate::optimize::run::state::State;
 use crate::output::atomic;
 use crate::picture::Image;
@@ -56,8 +55,8 @@ impl Live {
         for (&number, [first, newest]) in self.images.iter().take(MOST_VIEWS) {
             let view = &problem.views[number];
             let factor = view.target.width / newest.width.max(1);
-            let (target, _) = shrunk(view, factor.max(1));
-            let png = Strip::new(first, newest, &target).png()?;
+            let (target, weights) = problem.counted(view, factor.max(1));
+            let png = Strip::new([first, newest, &target], weights.as_deref()).png()?;
             let name = format!("view-{}.png", plain(&view.name));
             atomic::write(&self.directory.join(name), |file| file.write_all(&png))?;
             figures.push(Figure {

@@ -1,5 +1,6 @@
 //! What a run leaves behind.
 
+pub mod colours;
 pub mod curve;
 pub mod errors;
 pub mod geometry;
@@ -7,6 +8,7 @@ pub mod live;
 pub mod meshes;
 pub mod page;
 pub mod scene_xml;
+mod seen;
 pub mod strip;
 mod surface_xml;
 mod text;
@@ -21,6 +23,7 @@ use crate::methods::Progress;
 use crate::output::{atomic, exr, png};
 use crate::scene::parameters::{self, Target};
 use crate::scene::{Body, Scene};
+use colours::ColourDistance;
 use errors::ParameterError;
 use geometry::Distance;
 use page::Figure;
@@ -35,6 +38,7 @@ pub struct Written {
     pub files: Vec<String>,
     pub errors: Vec<ParameterError>,
     pub distances: Vec<Distance>,
+    pub colours: Vec<ColourDistance>,
     pub warnings: Vec<String>,
     /// Name and PSNR in decibels.
     pub held_out: Vec<(String, f64)>,
@@ -53,8 +57,15 @@ impl Written {
                 distance.normal_error_start_deg
             )
         });
+        let colours = self.colours.iter().map(|found| {
+            format!(
+                "{}: {} at the same places {:.3e} off (RMS), {:.3e} at the start",
+                found.mesh, found.key, found.end, found.start
+            )
+        });
         let views = self.held_out.iter();
         meshes
+            .chain(colours)
             .chain(views.map(|(view, psnr)| format!("{view}, held out: PSNR {psnr:.2} dB")))
             .collect()
     }
@@ -74,7 +85,9 @@ pub fn finish(
         errors: errors::all(problem, state),
         ..Written::default()
     };
+    seen::measure(problem, state, progress, &mut out.errors)?;
     let scene = scene(problem, state)?;
+    out.colours = colours::all(problem, &scene);
     out.files.extend(scene_xml::write(directory, &scene)?);
     let mut figures = Vec::new();
     strips(directory, problem, &scene, progress, &mut out, &mut figures)?;
@@ -142,12 +155,14 @@ fn strips(
     let now = views::render(problem, scene, &all, progress)?;
     let start = views::render(problem, &problem.start, &all, progress)?;
     for (number, view) in all.iter().enumerate() {
-        let strip = Strip::new(&start[number], &now[number], &view.target).png()?;
+        let (target, weights) = problem.counted(view, 1);
+        let images = [&start[number], &now[number], &target];
+        let strip = Strip::new(images, weights.as_deref()).png()?;
         let name = format!("view-{}.png", plain(&view.name));
         write(directory, &name, &strip, out)?;
         let is_held_out = number >= problem.views.len();
         if is_held_out {
-            let psnr = views::psnr_db(&now[number], view);
+            let psnr = views::psnr_db(&now[number], &target, weights.as_deref());
             out.held_out.push((view.name.clone(), psnr));
         }
         let held = if is_held_out { ", held out" } else { "" };

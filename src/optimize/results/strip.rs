@@ -17,14 +17,17 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// Of images of one size. The difference is now minus target, red where the image is too
-    /// bright, its scale that of its largest numbers.
-    pub fn new(start: &Image, now: &Image, target: &Image) -> Self {
-        let pairs = now.pixels.iter().zip(&target.pixels);
+    /// Of images of one size. The difference is now minus target where pixels count, red where the
+    /// image is too bright, its scale that of its largest numbers.
+    pub fn new([start, now, target]: [&Image; 3], weights: Option<&[f32]>) -> Self {
+        let pairs = now.pixels.iter().zip(&target.pixels).enumerate();
+        let weight = |i: usize| weights.map_or(1.0, |weights| weights[i]);
         let difference = Image {
             width: target.width,
             height: target.height,
-            pixels: pairs.map(|(a, b)| [0, 1, 2].map(|c| a[c] - b[c])).collect(),
+            pixels: pairs
+                .map(|(i, (a, b))| [0, 1, 2].map(|c| weight(i) * (a[c] - b[c])))
+                .collect(),
         };
         // What is darker than a hundredth of the target's brightest is not worth a colour.
         let brightest = target

@@ -34,12 +34,12 @@ pub fn render(
     views.iter().enumerate().map(one).collect()
 }
 
-/// Peak signal to noise ratio in decibels, the peak being 1 and numbers clipped to 0…1, where the
-/// mask counts.
-pub fn psnr_db(image: &Image, view: &View) -> f64 {
+/// Peak signal to noise ratio in decibels, the peak being 1 and numbers clipped to 0…1, by the
+/// weights of pixels if there are any.
+pub fn psnr_db(image: &Image, target: &Image, weights: Option<&[f32]>) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
-    for (i, (a, b)) in image.pixels.iter().zip(&view.target.pixels).enumerate() {
-        let w = view.mask.as_ref().map_or(1.0, |mask| f64::from(mask[i]));
+    for (i, (a, b)) in image.pixels.iter().zip(&target.pixels).enumerate() {
+        let w = weights.map_or(1.0, |weights| f64::from(weights[i]));
         for c in 0..3 {
             let d = f64::from(a[c].clamp(0.0, 1.0)) - f64::from(b[c].clamp(0.0, 1.0));
             sum += w * d * d;

@@ -10,6 +10,7 @@ use crate::methods::{EngineError, Pilot, Progress, Statistics, Workers};
 use crate::optimize::config::Config;
 use crate::optimize::problem::{Machine, Problem};
 use crate::optimize::results;
+use crate::optimize::results::colours::ColourDistance;
 use crate::optimize::results::errors::ParameterError;
 use crate::optimize::results::geometry::Distance;
 use crate::optimize::step::{Ranks, outcome};
@@ -88,6 +89,8 @@ pub struct Summary {
     pub errors: Vec<ParameterError>,
     /// Of meshes whose truth is known.
     pub distances: Vec<Distance>,
+    /// Of their textures.
+    pub colours: Vec<ColourDistance>,
     pub statistics: Statistics,
     /// Of scene, views and structures, which are paid for once; of the loop over steps; of the
     /// results in the end.
@@ -190,6 +193,7 @@ fn whole(
         known: written.known(),
         errors: written.errors,
         distances: written.distances,
+        colours: written.colours,
         statistics,
         spent: [setup, in_loop, results],
         own_steps: state.step - first_step,

@@ -7,7 +7,7 @@ use crate::methods::{
 };
 use crate::optimize::problem::{Problem, pose, seeds};
 use crate::picture::Image;
-use crate::scene::parameters::{self, Parameter, Target};
+use crate::scene::parameters::{Parameter, Target};
 
 /// What units of one step share.
 pub struct Units<'a> {
@@ -88,7 +88,10 @@ impl Units<'_> {
     ) -> Result<Vec<f32>, Failure> {
         let settings = self.settings(look, share, self.sampling.spp, seeds::DERIVATIVE);
         let variables = &self.problem.variables;
-        let counts = |p: &Parameter| is_seen(p, settings.sensor, look.silhouette);
+        let counts = |p: &Parameter| {
+            p.target
+                .is_some_and(|t| is_seen(t, settings.sensor, look.silhouette))
+        };
         let every: Vec<Parameter> = variables.iter().map(|v| v.parameter.clone()).collect();
         let wanted: Vec<Parameter> = every.iter().filter(|p| counts(p)).cloned().collect();
         let numbers: usize = variables.iter().map(|v| v.parameter.len()).sum();
@@ -131,33 +134,63 @@ impl Units<'_> {
 
 /// Whether an image depends on a parameter: of other sensors it does not, and what shapes cover
 /// depends on no colour.
-fn is_seen(parameter: &Parameter, sensor: usize, silhouette: bool) -> bool {
-    let Some(target) = parameter.target else {
-        return false;
-    };
-    let shapes = matches!(
+fn is_seen(target: Target, sensor: usize, silhouette: bool) -> bool {
+    let moves_outlines = matches!(
         target,
         Target::VertexPositions(_)
+            | Target::ShapeToWorld(_)
             | Target::ShapeTranslation(_)
             | Target::ShapeRotation(_)
             | Target::ShapeScale(_)
-            | Target::SensorTranslation(_)
-            | Target::SensorRotation(_)
-            | Target::SensorXFov(_)
     );
-    target.sensor().is_none_or(|own| own == sensor) && (shapes || !silhouette)
+    match target.sensor() {
+        Some(own) => own == sensor,
+        None => moves_outlines || !silhouette,
+    }
 }
 
 /// The scene with values, of which only those of shapes and cameras mean something in the mask
 /// term's scene.
 pub fn is_of_silhouette(parameter: &Parameter) -> bool {
-    parameter
-        .target
-        .and_then(parameters::Target::sensor)
-        .is_some()
-        || is_seen(parameter, 0, true)
+    let moves = |target: Target| target.sensor().is_some() || is_seen(target, 0, true);
+    parameter.target.is_some_and(moves)
 }
 
 pub fn failed(error: EngineError) -> Failure {
     Failure::from_engine(error, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Body;
+
+    #[test]
+    fn masks_tell_of_shapes_and_of_their_own_camera() {
+        let camera = [
+            Target::SensorTranslation(1),
+            Target::SensorRotation(1),
+            Target::SensorXFov(1),
+            Target::SensorToWorld(1),
+            Target::SensorPrincipalPoint { sensor: 1, axis: 0 },
+        ];
+        for target in camera {
+            assert!(is_seen(target, 1, true), "{target:?}");
+            assert!(!is_seen(target, 0, true), "{target:?}");
+        }
+        let body = Body::of(0);
+        let shapes = [
+            Target::VertexPositions(0),
+            Target::ShapeToWorld(body),
+            Target::ShapeTranslation(body),
+            Target::ShapeRotation(body),
+            Target::ShapeScale(body),
+        ];
+        for target in shapes {
+            assert!(is_seen(target, 0, true), "{target:?}");
+        }
+        for target in [Target::Texels(0), Target::DeltaLightPosition(0)] {
+            assert!(!is_seen(target, 0, true) && is_seen(target, 0, false));
+        }
+    }
 }

@@ -3,9 +3,12 @@
 use super::{CONFIG, optimize};
 use crate::workplace::workplace;
 
+/// Where the good configuration has its targets from.
+const VIEWS: &str = "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"";
+
 /// What of the good configuration is replaced, by what, and a part of the message.
 // Long: a table.
-const BAD: [(&str, &str, &str); 62] = [
+const BAD: [(&str, &str, &str); 73] = [
     (
         "scene = \"s.xml\"",
         "",
@@ -35,12 +38,12 @@ const BAD: [(&str, &str, &str); 62] = [
     (
         "steps = 6",
         "steps = 2.5",
-        "bad.toml:2:9: steps: write a whole number from 1 to",
+        "bad.toml:2:9: steps: write a whole number from 1 to 10000000, not 2.5",
     ),
     (
         "steps = 6",
         "steps = 6\nsteps = 7",
-        "bad.toml:3:1: not TOML: duplicate key",
+        "bad.toml:3:1: not TOML: this key is written twice; take one out",
     ),
     (
         "steps = 6",
@@ -68,14 +71,14 @@ const BAD: [(&str, &str, &str); 62] = [
         "defines.sied: the scene has no such parameter; the nearest is \"side\"",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "",
         "view: nothing says what the images should be; write [[view]] with a target",
     ),
     (
         "spp = 64",
         "spp = 64.0",
-        "truth.spp: write a whole number from 1 to 1048576",
+        "truth.spp: write a whole number from 1 to 1048576, not 64.0",
     ),
     (
         "spp = 64",
@@ -83,51 +86,51 @@ const BAD: [(&str, &str, &str); 62] = [
         "no.xml: there is no such file",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\nsensor = 0",
         "view 0 has no target; write target = \"photo.png\", or [truth]",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"no.png\"",
         "no.png: No such file",
     ),
+    (VIEWS, "[[view]]\ntarget = \"text.exr\"", "text.exr"),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
-        "[[view]]\ntarget = \"text.exr\"",
-        "text.exr",
-    ),
-    (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"turned.npy\"",
         "of another shape; give a picture of its shape",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = \"cma\"",
         "there is no sensor \"cma\"; the scene has cam, second",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = 7",
         "sensor 7: the scene has 2 sensors",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nsensor = 0.5",
         "view.0.sensor: write a sensor's id, or its number",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\nmask = \"alpha\"",
         "it has no alpha; name a mask's file instead",
     ),
     (
-        "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"",
+        VIEWS,
         "[[view]]\ntarget = \"target.npy\"\ntarged = 1",
         "view.0.targed: view.0 has no such key; the nearest known name is \"target\"",
     ),
-    ("seed = 3", "view = 3", "not TOML: duplicate key"),
+    (
+        "seed = 3",
+        "view = 3",
+        "bad.toml:8:3: not TOML: this key is written twice",
+    ),
     (
         "spp = 8\n",
         "spp = 0\n",
@@ -291,7 +294,7 @@ const BAD: [(&str, &str, &str); 62] = [
     (
         "start = [0.1, 0, 0]",
         "min = 1",
-        "it starts at 0, which is not between 1 and inf",
+        "it starts at 0, which is not between 1 and inf; write another start, min or max",
     ),
     (
         "start = [0.1, 0, 0]",
@@ -307,6 +310,61 @@ const BAD: [(&str, &str, &str); 62] = [
         "start = [0.1, 0, 0]",
         "total_variation = 1",
         "total_variation: it is for textures alone",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"no.json\"",
+        "bad.toml:5:1: cameras: no.json: there is no such file",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \"sparse\"\nimages = \"images\"",
+        "cameras: sparse/cameras.txt: there is no such file",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \"sparse\"",
+        "cameras.images: it is missing; write the folder of COLMAP's pictures",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"t.json\"\nimages = \"images\"",
+        "bad.toml:7:10: cameras.images: transforms.json names its pictures; take it out",
+    ),
+    (
+        VIEWS,
+        "[cameras]\nalpha = true",
+        "bad.toml:5:1: cameras: write either transforms = \"transforms.json\", or colmap = \"sparse/0\" and images",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ncolmap = \".\"\nimages = \".\"\nmasks = \".\"\nalpha = true",
+        "bad.toml:8:9: cameras.masks: masks are either alpha or files; take one out",
+    ),
+    (
+        VIEWS,
+        "[cameras]\ntransforms = \"t.json\"\nmasks = \"masks\"",
+        "cameras.masks: transforms.json names its masks, as mask_path of each frame; take it out",
+    ),
+    (
+        "[truth]",
+        "[cameras]\ntransforms = \"t.json\"\n\n[truth]",
+        "view: give either [[view]] or [cameras], which brings its own views",
+    ),
+    (
+        "spp = 64",
+        "targets = \"photos\"",
+        "bad.toml:6:11: truth.targets: there is no \"photos\"; write one of rendered, pictures",
+    ),
+    (
+        "spp = 64",
+        "targets = \"pictures\"",
+        "view 0 has no target; write target = \"photo.png\", or [truth]",
+    ),
+    (
+        "seed = 3",
+        "views = { hold_out = 2 }",
+        "bad.toml:3:22: views.hold_out: every 2 views one is left out, and there are 1; write a smaller number",
     ),
 ];
 

@@ -2,6 +2,7 @@
 
 mod bad_configs;
 mod convergence;
+mod photographs;
 mod ranks;
 mod results;
 mod resume;

@@ -145,3 +145,41 @@ fn a_checkpoint_is_neither_overwritten_nor_mistaken() {
         "{said}"
     );
 }
+
+/// Killed runs of their own, each at another instant: while the scene loads, within steps, while a
+/// checkpoint or the results are written.
+#[cfg(feature = "long-tests")]
+#[test]
+fn runs_killed_at_every_part_of_their_time_go_on_to_the_same_bytes() {
+    const INSTANTS: u32 = 40;
+    let directory = workplace();
+    let at = directory.path();
+    let long = CONFIG.replace("steps = 6", "steps = 40");
+    std::fs::write(at.join("c.toml"), long).unwrap();
+    let begun = std::time::Instant::now();
+    let (code, said) = optimize(at, "c.toml", &["-o", "whole", "--quiet"]);
+    assert_eq!(code, Some(0), "{said}");
+    let whole = begun.elapsed();
+    let mut killed = 0;
+    for i in 0..INSTANTS {
+        let folder = format!("killed-{i}");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_warpath"))
+            .args(["optimize", "c.toml", "-o", &folder, "--quiet"])
+            .current_dir(at)
+            .spawn()
+            .unwrap();
+        std::thread::sleep(whole * (2 * i + 1) / (2 * INSTANTS));
+        if child.try_wait().unwrap().is_none() {
+            signal(child.id(), "KILL");
+        }
+        killed += u32::from(child.wait().unwrap().code().is_none());
+        let mut arguments = vec!["-o", &folder, "--quiet"];
+        if at.join(&folder).join("checkpoint.bin").exists() {
+            arguments.push("--resume");
+        }
+        let (code, said) = optimize(at, "c.toml", &arguments);
+        assert_eq!(code, Some(0), "{i}: {said}");
+        same(&at.join("whole"), &at.join(&folder));
+    }
+    assert!(killed > INSTANTS / 2, "{killed}");
+}
