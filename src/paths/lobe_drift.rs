@@ -29,7 +29,7 @@ const MOST_VERTICES: usize = 64;
 /// The field reaches to this multiple of a body's sphere.
 pub const REACH: f64 = 1.5;
 /// The cosine of a cone's half-angle below which the field fades: x nearly touches the body.
-const NEAR: f64 = 0.3;
+const NEAR: f64 = 0.6;
 /// The cosine from which the field fades toward the horizon. What that adds to the mean square of a
 /// weight's change does not depend on it: bounces are distributed as the cosine.
 const HORIZON: f64 = 0.05;
