@@ -47,7 +47,7 @@ pub trait BoundaryEstimator: Sync {
         None
     }
 
-    /// The velocity field that carries bounces of diffuse lobes; `None` where they rest.
+    /// What directions over lobes move with; `None` if all keep their places in their frames.
     fn lobe_drift(&self, _view: &SceneView) -> Option<&LobeDrift> {
         None
     }

@@ -13,6 +13,9 @@
 //! does. On the outline of a ball that is the velocity of the outline itself, so that nothing slides
 //! there, and near it a point slides by no more than the ball's radius over its distance.
 //!
+//! Elsewhere V is zero, or, over meshes that an estimator names, such that directions *rest* in the
+//! world while the frame turns.
+//!
 //! V depends on geometry alone and on no random number. It is linear in the velocities of the body
 //! and of x and in the turn of the frame, so that the backward sweep can hand its cotangent on.
 
@@ -27,7 +30,7 @@ const MOST_BODIES: usize = 16;
 /// Vertices whose mean velocity is that of a body.
 const MOST_VERTICES: usize = 64;
 /// The field reaches to this multiple of a body's sphere.
-pub const REACH: f64 = 1.5;
+const REACH: f64 = 1.5;
 /// The cosine of a cone's half-angle below which the field fades: x nearly touches the body.
 const NEAR: f64 = 0.6;
 /// The cosine from which the field fades toward the horizon. What that adds to the mean square of a
@@ -55,8 +58,8 @@ pub struct LobeDrift {
 
 /// A body's part in the field at one direction.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BodyShare {
-    pub body: usize,
+struct BodyShare {
+    body: usize,
     weight: f64,
     /// Of the weight, along the sphere of directions.
     gradient: DVec3,
