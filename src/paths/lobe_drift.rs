@@ -8,10 +8,11 @@
 //!
 //!   ∂∫f = ∫ (∂f + V·∇f + f ∇·V)  +  Σ_borders (V_b − V)·n (f₋ − f₊),
 //!
-//! as on the film (`paths::film::drift`), if f V vanishes at the horizon. V is that of a disc for
-//! each body: of the circle in which a cone from x touches the sphere around it, moving as the body
-//! does. On the outline of a ball that is the velocity of the outline itself, so that nothing slides
-//! there, and near it a point slides by no more than the ball's radius over its distance.
+//! as on the film (`paths::film::drift`), if f V vanishes at the horizon. V is that of points which
+//! move as a body does (`paths::drift_body`), at a distance that depends on where it is
+//! (`paths::body_share`). On the outline of a ball that is the velocity of the outline itself, so
+//! that nothing slides there, and near it a point slides by no more than the ball's radius over its
+//! distance. What x sees of a body that it moves with rests.
 //!
 //! Elsewhere V is zero, or, over meshes that an estimator names, such that directions *rest* in the
 //! world while the frame turns.
@@ -19,53 +20,28 @@
 //! V depends on geometry alone and on no random number. It is linear in the velocities of the body
 //! and of x and in the turn of the frame, so that the backward sweep can hand its cotangent on.
 
-use crate::discontinuity::pieces::Pieces;
 use crate::lanes::LANES;
-use crate::paths::moving::{Moving, Sector};
+use crate::paths::body_share::{BodyShare, REACH};
+use crate::paths::drift_body::{Body, BodyMotion};
+use crate::paths::moving::Sector;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
 /// So many bodies are followed at most, the largest.
 const MOST_BODIES: usize = 16;
-/// Vertices whose mean velocity is that of a body.
-const MOST_VERTICES: usize = 64;
-/// The field reaches to this multiple of a body's sphere.
-const REACH: f64 = 1.5;
-/// The cosine of a cone's half-angle below which the field fades: x nearly touches the body.
-const NEAR: f64 = 0.6;
 /// The cosine from which the field fades toward the horizon. What that adds to the mean square of a
 /// weight's change does not depend on it: bounces are distributed as the cosine.
 const HORIZON: f64 = 0.05;
-
-/// Something round that directions follow.
-#[derive(Clone, Debug)]
-pub struct Body {
-    pub centre: DVec3,
-    pub radius: f64,
-    /// Of these the mean velocity is taken.
-    pub vertices: Vec<u32>,
-    moves: bool,
-}
 
 /// All that directions follow.
 #[derive(Clone, Debug)]
 pub struct LobeDrift {
     pub bodies: Vec<Body>,
     any_moves: bool,
+    /// Whether a mesh is of so many pieces that most lines see several.
+    pub has_crowd: bool,
     /// Meshes over whose lobes directions rest in the world.
     rests: Vec<bool>,
-}
-
-/// A body's part in the field at one direction.
-#[derive(Clone, Copy, Debug, Default)]
-struct BodyShare {
-    body: usize,
-    weight: f64,
-    /// Of the weight, along the sphere of directions.
-    gradient: DVec3,
-    axis: DVec3,
-    /// One over the distance of the disc.
-    nearness: f64,
 }
 
 /// The field at one direction.
@@ -89,38 +65,9 @@ pub struct FieldBars {
 }
 
 impl LobeDrift {
-    /// Follows the pieces that `is_followed` vertices belong to, and rests over the lobes of some
-    /// meshes; `None` if there are neither.
-    pub fn new(
-        geometry: &Geometry,
-        pieces: &Pieces,
-        moving: &Moving,
-        is_followed: impl Fn(u32) -> bool,
-        rests: Vec<bool>,
-    ) -> Option<Self> {
-        let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); pieces.count()];
-        for v in 0..geometry.positions.len() as u32 {
-            if is_followed(v) {
-                vertices[pieces.number(v) as usize].push(v);
-            }
-        }
-        let body = |all: Vec<u32>| {
-            let sphere = pieces.around(*all.first()?);
-            let step = all.len().div_ceil(MOST_VERTICES);
-            let corners = all
-                .iter()
-                .map(|&v| geometry.positions[v as usize].as_dvec3());
-            let radius = corners
-                .map(|p| p.distance(sphere.centre))
-                .fold(0.0, f64::max);
-            (radius > 0.0).then(|| Body {
-                centre: sphere.centre,
-                radius,
-                moves: moving.vertex(geometry, all[0]),
-                vertices: all.into_iter().step_by(step).collect(),
-            })
-        };
-        let mut bodies: Vec<Body> = vertices.into_iter().filter_map(body).collect();
+    /// Follows the largest of these bodies, and rests over the lobes of some meshes; `None` if there
+    /// are neither.
+    pub fn new(mut bodies: Vec<Body>, has_crowd: bool, rests: Vec<bool>) -> Option<Self> {
         bodies.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         bodies.truncate(MOST_BODIES);
         let any_moves = bodies.iter().any(|b| b.moves);
@@ -128,6 +75,7 @@ impl LobeDrift {
         any.then_some(Self {
             bodies,
             any_moves,
+            has_crowd,
             rests,
         })
     }
@@ -175,7 +123,7 @@ impl LobeDrift {
             if !(x_moves || body.moves) {
                 continue;
             }
-            let Some(share) = body.share(number, x, d) else {
+            let Some(share) = BodyShare::new(body, number, x, d) else {
                 continue;
             };
             field.shares[field.count] = share;
@@ -215,56 +163,13 @@ impl LobeDrift {
     }
 }
 
-impl Body {
-    /// The mean of something over what stands for the body.
-    pub fn mean(&self, of: impl Fn(u32) -> DVec3) -> DVec3 {
-        let sum: DVec3 = self.vertices.iter().map(|&v| of(v)).sum();
-        sum / self.vertices.len() as f64
-    }
-
-    /// Its share, not yet parted among bodies nor faded at the horizon.
-    fn share(&self, body: usize, x: DVec3, d: DVec3) -> Option<BodyShare> {
-        let to = self.centre - x;
-        let distance = to.length();
-        let cos_of = |radius: f64| {
-            let sin = radius / distance;
-            if sin < 1.0 {
-                (1.0 - sin * sin).sqrt()
-            } else {
-                -1.0
-            }
-        };
-        let inner = cos_of(self.radius);
-        if inner <= 0.0 {
-            return None;
-        }
-        let outer = cos_of(REACH * self.radius);
-        let axis = to / distance;
-        let z = axis.dot(d);
-        if z <= outer {
-            return None;
-        }
-        let near = (inner / NEAR).min(1.0);
-        let near = near * near;
-        let u = ((z - outer) / (inner - outer)).min(1.0);
-        let by_z = 6.0 * u * (1.0 - u) / (inner - outer);
-        Some(BodyShare {
-            body,
-            weight: near * u * u * (3.0 - 2.0 * u),
-            gradient: (axis - d * z) * (near * by_z),
-            axis,
-            nearness: 1.0 / (distance * inner * inner),
-        })
-    }
-}
-
 impl LobeField {
     /// The velocity of the direction, beside that of a direction that keeps its place in the frame,
     /// which is `turning`; and by what part the sample's weight changes: the field's divergence and
     /// that of the cosine, of which the samples' density keeps the value.
     pub fn velocity(
         &self,
-        of_body: impl Fn(usize) -> DVec3,
+        of_body: impl Fn(usize) -> BodyMotion,
         of_x: DVec3,
         turning: DVec3,
     ) -> (DVec3, f64) {
@@ -272,13 +177,16 @@ impl LobeField {
         let mut velocity = turning * -self.rest;
         let mut divergence = -self.rest_gradient.dot(turning);
         for share in &self.shares[..self.count] {
-            let w = of_body(share.body) - of_x;
+            let BodyMotion {
+                velocity: v,
+                rotation,
+            } = of_body(share.body);
+            let w = v + rotation.cross(share.arm) - of_x;
             let along = d.dot(w);
-            let z = share.axis.dot(d);
-            let beside = (w - d * along) * (z * share.nearness);
-            velocity += beside * share.weight;
-            divergence += share.gradient.dot(beside)
-                + share.weight * share.nearness * (share.axis.dot(w) - 3.0 * along * z);
+            let drift = (w - d * along) * share.nearness + rotation.cross(d);
+            velocity += drift * share.weight;
+            divergence += share.gradient.dot(drift)
+                + share.weight * (share.nearness_gradient.dot(w) - 2.0 * along * share.nearness);
         }
         let cos = self.normal.dot(d);
         (velocity, divergence + self.normal.dot(velocity) / cos)
@@ -290,7 +198,7 @@ impl LobeField {
         &self,
         velocity_bar: DVec3,
         weight_bar: f64,
-        mut of_body: impl FnMut(usize, DVec3),
+        mut of_body: impl FnMut(usize, BodyMotion),
     ) -> FieldBars {
         let d = self.direction;
         let cos = self.normal.dot(d);
@@ -300,13 +208,16 @@ impl LobeField {
             turning: -(velocity_bar * self.rest + self.rest_gradient * weight_bar),
         };
         for share in &self.shares[..self.count] {
-            let z = share.axis.dot(d);
-            let beside = velocity_bar * share.weight + share.gradient * weight_bar;
-            let divergence = share.weight * share.nearness * weight_bar;
-            let w = (beside - d * d.dot(beside)) * (z * share.nearness)
-                + (share.axis - d * (3.0 * z)) * divergence;
+            let drift = velocity_bar * share.weight + share.gradient * weight_bar;
+            let divergence = share.weight * weight_bar;
+            let w = (drift - d * d.dot(drift)) * share.nearness
+                + (share.nearness_gradient - d * (2.0 * share.nearness)) * divergence;
             bars.x -= w;
-            of_body(share.body, w);
+            let motion = BodyMotion {
+                velocity: w,
+                rotation: share.arm.cross(w) + d.cross(drift),
+            };
+            of_body(share.body, motion);
         }
         bars
     }
@@ -316,26 +227,49 @@ impl LobeField {
 mod tests {
     use super::*;
 
-    fn body(centre: [f64; 3], radius: f64) -> Body {
-        Body {
-            centre: centre.into(),
-            radius,
-            vertices: vec![0],
-            moves: true,
-        }
+    fn body(centre: impl Into<DVec3>, radius: f64, is_ball: bool) -> Body {
+        let centre = centre.into();
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_ONE.normalize()];
+        let at = |v: u32| centre + corners[v as usize] * radius;
+        Body::new((0..4).collect(), at, (centre, radius), [true, is_ball]).unwrap()
+    }
+
+    fn drift_of(bodies: Vec<Body>) -> LobeDrift {
+        LobeDrift::new(bodies, false, Vec::new()).unwrap()
     }
 
     /// Two balls that overlap as seen from the origin.
     fn two_balls() -> LobeDrift {
-        LobeDrift {
-            bodies: vec![body([0.9, 0.2, 1.1], 0.5), body([1.6, -0.3, 1.0], 0.7)],
-            any_moves: true,
-            rests: Vec::new(),
-        }
+        drift_of(vec![
+            body([0.9, 0.2, 1.1], 0.5, true),
+            body([1.6, -0.3, 1.0], 0.7, true),
+        ])
+    }
+
+    /// A body around the origin, one beside it, and a ball.
+    fn bodies() -> LobeDrift {
+        drift_of(vec![
+            body([0.2, 0.1, -0.3], 2.0, false),
+            body([1.6, -0.3, 1.0], 0.7, false),
+            body([0.9, 0.2, 1.1], 0.5, true),
+        ])
     }
 
     const N: DVec3 = DVec3::Z;
-    const VELOCITIES: [DVec3; 2] = [DVec3::new(0.3, -1.0, 0.4), DVec3::new(-0.7, 0.2, 0.9)];
+    /// Balls do not turn.
+    fn motion(drift: &LobeDrift, body: usize) -> BodyMotion {
+        let turns = if drift.bodies[body].is_ball() {
+            0.0
+        } else {
+            1.0
+        };
+        let velocities = [[0.3, -1.0, 0.4], [-0.7, 0.2, 0.9], [0.1, 0.8, -0.5]];
+        BodyMotion {
+            velocity: velocities[body].into(),
+            rotation: DVec3::new(0.4, 0.7, -0.3) * turns,
+        }
+    }
+
     const OF_X: DVec3 = DVec3::new(0.5, 0.1, -0.3);
     const TURN: DVec3 = DVec3::new(0.2, -0.4, 0.6);
 
@@ -349,22 +283,25 @@ mod tests {
         (0..60).map(at)
     }
 
-    /// From surfaces over which they rest, and from others.
-    fn directions_twice() -> impl Iterator<Item = (DVec3, bool)> {
-        directions().flat_map(|d| [(d, false), (d, true)])
+    /// Over surfaces where they rest, and over others.
+    fn cases() -> impl Iterator<Item = (LobeDrift, DVec3, bool)> {
+        let drifts = [two_balls(), bodies()].into_iter();
+        let turned = |drift: LobeDrift| [(drift.clone(), false), (drift, true)];
+        drifts
+            .flat_map(turned)
+            .flat_map(|(drift, rests)| directions().map(move |d| (drift.clone(), d, rests)))
     }
 
     fn velocity(drift: &LobeDrift, d: DVec3, rests: bool) -> Option<(DVec3, f64)> {
         let field = drift.field([DVec3::ZERO, N, d], true, rests)?;
-        Some(field.velocity(|body| VELOCITIES[body], OF_X, TURN.cross(d)))
+        Some(field.velocity(|body| motion(drift, body), OF_X, TURN.cross(d)))
     }
 
     /// The change of the weight is the divergence of the field times the cosine, over the cosine.
     #[test]
     fn weights_change_by_the_divergence() {
-        let drift = two_balls();
         let mut tried = 0;
-        for (d, rests) in directions_twice() {
+        for (drift, d, rests) in cases() {
             let Some((_, change)) = velocity(&drift, d, rests) else {
                 continue;
             };
@@ -386,23 +323,23 @@ mod tests {
             );
             tried += 1;
         }
-        assert!(tried > 100, "{tried}");
+        assert!(tried > 200, "{tried}");
     }
 
     #[test]
     fn the_adjoint_is_the_transpose() {
-        let drift = two_balls();
         let (velocity_bar, change_bar) = (DVec3::new(0.3, 0.9, -0.5), 0.7);
         let mut tried = 0;
-        for (d, rests) in directions_twice() {
+        for (drift, d, rests) in cases() {
             let Some(field) = drift.field([DVec3::ZERO, N, d], true, rests) else {
                 continue;
             };
             let turning = TURN.cross(d);
-            let (v, change) = field.velocity(|body| VELOCITIES[body], OF_X, turning);
+            let (v, change) = field.velocity(|body| motion(&drift, body), OF_X, turning);
             let mut back = 0.0;
             let bars = field.velocity_adjoint(velocity_bar, change_bar, |body, bar| {
-                back += bar.dot(VELOCITIES[body]);
+                let moved = motion(&drift, body);
+                back += bar.velocity.dot(moved.velocity) + bar.rotation.dot(moved.rotation);
             });
             back += bars.x.dot(OF_X) + bars.turning.dot(turning);
             let there = v.dot(velocity_bar) + change * change_bar;
@@ -412,19 +349,32 @@ mod tests {
             );
             tried += 1;
         }
-        assert!(tried > 100, "{tried}");
+        assert!(tried > 200, "{tried}");
+    }
+
+    /// What moves with a body sees it at rest in directions that turn with it.
+    #[test]
+    fn a_body_rests_from_within() {
+        let drift = drift_of(vec![body([0.2, 0.1, -0.3], 2.0, false)]);
+        let moved = motion(&drift, 0);
+        let of = |y: DVec3| moved.velocity + moved.rotation.cross(drift.bodies[0].arm(y));
+        for d in directions().filter(|d| d.z > HORIZON) {
+            let field = drift.field([DVec3::ZERO, N, d], true, false).unwrap();
+            let turning = TURN.cross(d);
+            let (v, _) = field.velocity(|_| moved, of(DVec3::ZERO), turning);
+            let distance = 0.7;
+            let seen = (of(d * distance) - of(DVec3::ZERO)) / distance;
+            let across = seen - d * seen.dot(d);
+            assert!((v + turning).distance(across) < 1e-12);
+        }
     }
 
     /// Across the outline of a ball the field moves as the outline does.
     #[test]
     fn the_outline_of_a_ball_rests() {
         let (centre, radius) = (DVec3::new(0.4, 0.3, 2.0), 0.6);
-        let drift = LobeDrift {
-            bodies: vec![body(centre.into(), radius)],
-            any_moves: true,
-            rests: Vec::new(),
-        };
-        let w = VELOCITIES[0] - OF_X;
+        let drift = drift_of(vec![body(centre, radius, true)]);
+        let w = motion(&drift, 0).velocity - OF_X;
         let (axis, sin) = (centre.normalize(), radius / centre.length());
         let s = axis.any_orthonormal_vector();
         for step in 0..8 {
@@ -434,7 +384,7 @@ mod tests {
             let field = drift
                 .field([DVec3::ZERO, N, d * (1.0 - 1e-12)], true, false)
                 .unwrap();
-            let (v, _) = field.velocity(|_| VELOCITIES[0], OF_X, DVec3::ZERO);
+            let (v, _) = field.velocity(|body| motion(&drift, body), OF_X, DVec3::ZERO);
             // Where a ray touches the ball it keeps touching it: (w − |y| v)·normal = 0.
             let distance = (centre.length_squared() - radius * radius).sqrt();
             let normal = (d * distance - centre) / radius;

@@ -5,12 +5,14 @@
 
 pub mod at;
 pub mod between_planes;
+pub mod body_share;
 pub mod bounce;
 pub mod boundary_sample;
 pub mod chain;
 pub mod chain_vertex;
 pub mod counts;
 pub mod dimensions;
+pub mod drift_body;
 pub mod environment;
 pub mod estimator;
 pub mod film;

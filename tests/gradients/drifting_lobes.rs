@@ -42,6 +42,55 @@ fn dented(centre: Vec3, radius: f32) -> Shape {
     (positions, triangles)
 }
 
+/// Small leaves in a ball, each a piece of its own, about as many of each direction.
+fn leaves(centre: Vec3, radius: f32) -> Shape {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for i in 0..60 {
+        let [t, u, w] = [0.61803, 0.32472, 0.75488].map(|step| (step * i as f32).fract());
+        let angle = std::f32::consts::TAU * u;
+        let height = 2.0 * w - 1.0;
+        let at = vec3(angle.cos(), angle.sin(), 0.0) * (1.0 - height * height).sqrt();
+        let middle = centre + radius * t.cbrt() * (at + Vec3::Z * height);
+        let side = vec3(height, at.x, at.y).normalize();
+        let [a, b] = [side.any_orthonormal_vector(), side].map(|d| 0.22 * radius * d);
+        let first = positions.len() as u32;
+        positions.extend([
+            middle - a - b,
+            middle + a - b,
+            middle + a + b,
+            middle - a + b,
+        ]);
+        triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
+    }
+    (positions, triangles)
+}
+
+/// Over a lamp that shines upward, so that a floor beside it has all of its light from them.
+fn crowd() -> Scene {
+    let lamp = placed(floor(0.4, 0.0), Vec3::ZERO, vec3(0.9, 0.1, 0.02));
+    scene(
+        vec3(0.0, -3.0, 3.0),
+        vec3(0.2, 0.0, 0.0),
+        9.0,
+        [8; 2],
+        GAUSSIAN,
+    )
+    .depth(3)
+    .solid("floor", floor(0.6, 0.0), [0.7, 0.6, 0.5])
+    .solid("thing", leaves(vec3(0.9, 0.1, 0.5), 0.4), [0.5, 0.7, 0.6])
+    .light("lamp", lamp, [5.0, 6.0, 4.0])
+}
+
+/// What is not round is followed by its middle and its rotation.
+fn metal_bar() -> Scene {
+    let bar = placed(
+        cuboid(vec3(0.25, 0.45, 0.2)),
+        vec3(0.0, 0.0, 15.0),
+        vec3(0.7, 0.1, 0.4),
+    );
+    beside(bar).metal("thing", 0.6, Ggx)
+}
+
 /// It in an even sky, above a floor.
 fn seen(paint: impl Fn(Scene) -> Scene) -> Scene {
     let thing = dented(vec3(0.0, 0.0, 0.45), 0.35);
@@ -105,11 +154,26 @@ fn a_dented_thing_of_paint() {
 }
 
 #[test]
+fn a_crowd_that_a_floor_sees() {
+    let turned: (&str, &[f32]) = ("thing.rotation", &[0.5, 0.8, 0.3]);
+    for part in [turned, MOVED] {
+        agrees(&crowd(), part, 512);
+    }
+}
+
+#[test]
+fn a_bar_of_metal_that_a_floor_sees() {
+    agrees(&metal_bar(), ("thing.rotation", &[0.2, 1.0, 0.1]), 1024);
+}
+
+#[test]
 fn transposition() {
     let painted = "thing.bsdf.brdf_0.reflectance.value";
     let black = "lamp.bsdf.brdf_0.reflectance.value";
     transposed(&metal_ball(), Method::Reparam, &[painted, black]);
     transposed(&of_glass(), Method::Reparam, &[painted]);
+    transposed(&metal_bar(), Method::Reparam, &[painted, black]);
+    transposed(&crowd(), Method::Reparam, &[black]);
     let metal = seen(|scene| scene.metal("thing", 0.1, Ggx));
     transposed(&metal, Method::Reparam, &[painted]);
     transposed(&seen(|scene| scene), Method::Reparam, &[]);
@@ -130,5 +194,5 @@ fn its_noise_is_that_of_differences() {
     };
     let [ours, differences] = [Method::Reparam, Method::Fd].map(variance);
     println!("{ours} {differences}");
-    assert!(ours < 4.0 * differences, "{ours} {differences}");
+    assert!(ours < differences, "{ours} {differences}");
 }

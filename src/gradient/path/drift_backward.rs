@@ -5,6 +5,7 @@ use crate::gradient::path::bars::VertexBars;
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::drift_body::BodyMotion;
 use crate::paths::lobe_drift::FieldBars;
 use crate::paths::rays::{from_lanes, lane_of};
 use glam::{DVec3, Vec3};
@@ -63,13 +64,9 @@ impl BackwardSweep<'_> {
         })
     }
 
-    /// What stands for a body, from the cotangent of its velocity.
-    pub fn add_body(&self, body: usize, bar: DVec3, sums: &mut TileSums) {
+    /// What stands for a body, from the cotangent of its motion.
+    pub fn add_body(&self, body: usize, bar: BodyMotion, sums: &mut TileSums) {
         let Some(drift) = self.lobe_drift else { return };
-        let vertices = &drift.bodies[body].vertices;
-        let share = bar / vertices.len() as f64;
-        vertices
-            .iter()
-            .for_each(|&v| self.scatter_vertex(v, share, sums));
+        drift.bodies[body].motion_adjoint(bar, |v, v_bar| self.scatter_vertex(v, v_bar, sums));
     }
 }

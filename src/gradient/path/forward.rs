@@ -12,7 +12,8 @@ use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
-use crate::paths::lobe_drift::{Body, LobeDrift};
+use crate::paths::drift_body::{Body, BodyMotion};
+use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::scene_view::SceneView;
@@ -22,7 +23,6 @@ use crate::paths::surface::layers::{numbers, of_numbers, tangent};
 use crate::paths::surface::relief::{by_uv, local};
 use crate::paths::surface::texture::Lookup;
 use crate::scene::{Lens, Rgb};
-use glam::DVec3;
 
 pub(crate) type D = Dual<Lane>;
 
@@ -31,7 +31,7 @@ pub struct ForwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub motion: &'a Motion,
     /// What carries bounces of diffuse lobes, and the velocity of each body that it follows.
-    pub(crate) lobe_drift: Option<(&'a LobeDrift, Vec<DVec3>)>,
+    pub(crate) lobe_drift: Option<(&'a LobeDrift, Vec<BodyMotion>)>,
     camera_lanes: MovingCamera<Lane>,
     pub(crate) camera_f64: MovingCamera<f64>,
 }
@@ -79,7 +79,7 @@ impl<'a> ForwardSweep<'a> {
         lobe_drift: Option<&'a LobeDrift>,
     ) -> Self {
         let velocities = |drift: &'a LobeDrift| {
-            let of = |body: &Body| body.mean(|v| motion.velocity(v));
+            let of = |body: &Body| body.motion(|v| motion.velocity(v));
             (drift, drift.bodies.iter().map(of).collect())
         };
         Self {

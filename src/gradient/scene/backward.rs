@@ -4,6 +4,7 @@ use crate::gradient::scene::sparse::SparseVectors;
 use crate::gradient::scene::wanted::{Wanted, first_texels};
 use crate::gradient::terms::{Object, Terms, TileTerms};
 use crate::lanes::{LANES, Lane, V3};
+use crate::paths::drift_body::BodyMotion;
 use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
 use crate::paths::rays::lane_of;
@@ -52,8 +53,8 @@ pub struct TileSums {
     environment: EnvironmentSum,
     /// Of the velocities of the film's nodes.
     drift: BTreeMap<usize, [f64; 2]>,
-    /// Of the velocities of bodies that directions follow.
-    bodies: BTreeMap<usize, DVec3>,
+    /// Of the motions of bodies that directions follow.
+    bodies: BTreeMap<usize, BodyMotion>,
     pub delta_lights: Vec<DVec3>,
     /// Per texture.
     pub to_uv: Vec<[f64; 6]>,
@@ -74,7 +75,7 @@ pub struct TileGradient {
     camera: CameraSum,
     environment: EnvironmentSum,
     drift: BTreeMap<usize, [f64; 2]>,
-    bodies: BTreeMap<usize, DVec3>,
+    bodies: BTreeMap<usize, BodyMotion>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }
@@ -175,9 +176,12 @@ impl TileSums {
         }
     }
 
-    /// Adds to the velocity of a body that directions follow.
-    pub fn add_body(&mut self, body: usize, bar: DVec3) {
-        let bar = self.admitted(bar);
+    /// Adds to the motion of a body that directions follow.
+    pub fn add_body(&mut self, body: usize, bar: BodyMotion) {
+        let bar = BodyMotion {
+            velocity: self.admitted(bar.velocity),
+            rotation: self.admitted(bar.rotation),
+        };
         *self.bodies.entry(body).or_default() += bar;
     }
 
@@ -245,7 +249,7 @@ pub struct FilmSums {
     /// Of the velocities of the film's nodes.
     pub drift: BTreeMap<usize, [f64; 2]>,
     /// Of those of bodies that directions follow.
-    pub bodies: BTreeMap<usize, DVec3>,
+    pub bodies: BTreeMap<usize, BodyMotion>,
     delta_lights: Vec<DVec3>,
     to_uv: Vec<[f64; 6]>,
 }

@@ -1,6 +1,7 @@
 //! What directions over lobes drift with (`paths::lobe_drift`), and where they rest.
 //!
-//! Bounces follow the pieces of metal, glass and plastic, because their light changes along them.
+//! Bounces follow the pieces of metal, glass and plastic, because their light changes along them; and
+//! meshes of many pieces, because there are too many borders to find.
 //!
 //! Where a surface is full of detail its normal turns by much over its own size. A lobe that turns
 //! with the normal sweeps over what it sees, and where it sees such a surface again, as inside of
@@ -9,12 +10,22 @@
 //! them changes instead. That has a noise in proportion to one over the lobe's width, but once.
 
 use crate::boundary::search_scene::SearchScene;
+use crate::paths::drift_body::Body;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::trace::geometry::Geometry;
+use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// The mean turn of a mesh's normals over half its size from which it is full of detail; a ball's
 /// is 1.7.
 const DETAIL_RAD: f64 = 3.0;
+/// So many pieces of a mesh are a crowd...
+const CROWD: usize = 16;
+/// ...unless one of them has more than one in so many of its triangles.
+const LARGEST: usize = 4;
+/// Of the radius of a ball: all of its triangles' middles are as far from its centre. Those of an
+/// icosahedron are at 0.79.
+const BALL: f64 = 0.75;
 
 /// What directions over lobes drift with; `None` if nothing moves or nothing carries them.
 pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
@@ -23,14 +34,75 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
         return None;
     }
     let geometry = view.geometry;
-    let is_special = |v: u32| {
-        let mesh = geometry.first_vertex.partition_point(|&first| first <= v) - 1;
-        view.materials.is_special(view.scene.meshes[mesh].material)
+    let meshes = 0..geometry.smooth.len();
+    let crowds: Vec<bool> = meshes.clone().map(|m| is_crowd(scene, m)).collect();
+    let bodies = meshes.clone().flat_map(|m| bodies_of(scene, m, crowds[m]));
+    let rests = meshes.map(|mesh| detail_rad(geometry, mesh) > DETAIL_RAD);
+    LobeDrift::new(bodies.collect(), crowds.contains(&true), rests.collect())
+}
+
+/// Whether a mesh is of many pieces of which none is large.
+fn is_crowd(scene: &SearchScene, mesh: usize) -> bool {
+    let triangles = triangles_of(scene, mesh);
+    let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+    // Triangles of a piece mostly follow one another.
+    for piece in triangles.chunk_by(|a, b| number(scene, a) == number(scene, b)) {
+        *sizes.entry(number(scene, &piece[0])).or_default() += piece.len();
+    }
+    let largest = sizes.values().max().copied().unwrap_or(0);
+    sizes.len() >= CROWD && LARGEST * largest < triangles.len()
+}
+
+fn triangles_of<'a>(scene: &'a SearchScene, mesh: usize) -> &'a [[u32; 3]] {
+    let geometry = scene.view.geometry;
+    let [from, to] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m] as usize);
+    &geometry.triangles[from..to]
+}
+
+/// Of the piece that a triangle belongs to.
+fn number(scene: &SearchScene, triangle: &[u32; 3]) -> u32 {
+    scene.pieces().number(triangle[0])
+}
+
+/// A crowd is one body; of other meshes each piece is one, if it is special.
+fn bodies_of(scene: &SearchScene, mesh: usize, is_crowd: bool) -> Vec<Body> {
+    let triangles = triangles_of(scene, mesh);
+    if is_crowd {
+        return body(scene, triangles).into_iter().collect();
+    }
+    let view = scene.view;
+    if !view.materials.is_special(view.scene.meshes[mesh].material) {
+        return Vec::new();
+    }
+    let mut of_piece: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
+    for triangle in triangles {
+        let piece = of_piece.entry(number(scene, triangle));
+        piece.or_default().push(*triangle);
+    }
+    let pieces = of_piece.values();
+    pieces.filter_map(|piece| body(scene, piece)).collect()
+}
+
+/// What these triangles make up.
+fn body(scene: &SearchScene, triangles: &[[u32; 3]]) -> Option<Body> {
+    let geometry = scene.view.geometry;
+    let position = |v: u32| geometry.positions[v as usize].as_dvec3();
+    // Files have vertices of no triangle, too.
+    let mut vertices = triangles.as_flattened().to_vec();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let corners = vertices.iter().map(|&v| position(v));
+    let low = corners.clone().reduce(DVec3::min)?;
+    let high = corners.clone().reduce(DVec3::max)?;
+    let centre = low.midpoint(high);
+    let radius = corners.map(|p| p.distance(centre)).fold(0.0, f64::max);
+    let is_far = |triangle: &[u32; 3]| {
+        let middle = triangle.map(position).iter().sum::<DVec3>() / 3.0;
+        middle.distance(centre) > BALL * radius
     };
-    let rests = (0..geometry.smooth.len())
-        .map(|mesh| detail_rad(geometry, mesh) > DETAIL_RAD)
-        .collect();
-    LobeDrift::new(geometry, scene.pieces(), scene.moving, is_special, rests)
+    let is_ball = triangles.iter().all(is_far);
+    let moves = vertices.iter().any(|&v| scene.moving.vertex(geometry, v));
+    Body::new(vertices, position, (centre, radius), [moves, is_ball])
 }
 
 /// By how much the shading normals of a mesh turn over half the diagonal of its box, in the mean over
