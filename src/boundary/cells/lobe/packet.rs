@@ -19,6 +19,8 @@ use crate::trace::geometry::NO_TRIANGLE;
 
 /// Reflected lobes wider than this see what a packet's bounces do not tell of.
 const WIDE_RAD: f64 = 0.04;
+/// So many lanes of a packet and a mesh look, where crowds are.
+const IN_CROWDS: u32 = 2;
 
 /// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is
 /// drawn for all lanes.
@@ -60,11 +62,10 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
 /// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they are
 /// not that narrow, one may be near though they do not: all its lanes look for it. Where directions
 /// rest, what rests brings nothing over the lobe, and one lane is enough: inside of a scanned animal
-/// of rough glass all had two and a half times the variance in equal time.
+/// of rough glass all had two and a half times the variance in equal time. In crowds surfaces differ
+/// in what they see and a line meets much: there two of each mesh look.
 fn among_surfaces(search: &mut LobeSearch) {
-    let At {
-        vertices, numbers, ..
-    } = *search.at;
+    let At { vertices, .. } = *search.at;
     let environment = &search.scene.view.scene.environment;
     let has_constant_environment = environment.as_ref().is_some_and(|e| e.map.is_none());
     let [mut narrow, mut others] = [0u32; 2];
@@ -78,23 +79,43 @@ fn among_surfaces(search: &mut LobeSearch) {
             Some(_) => others |= 1 << lane,
         }
     }
-    for (group, lanes) in [narrow, others].into_iter().enumerate() {
-        let count = lanes.count_ones();
-        if count == 0 {
-            continue;
-        }
-        let all = group == 0
-            && lanes & search.at.vertices.rests == 0
-            && (is_wide(search, lanes) || sees_several(search, lanes & search.bounce.rays.active));
-        let name = [numbers.index[0], numbers.depth, group as u32];
-        let chosen = (numbers.stream.single(Single::LobeLane, name) * count as f32) as u32;
-        let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
-        for (number, lane) in lanes.enumerate() {
-            if all {
-                line_of_lane(search, lane, 1.0);
-            } else if number as u32 == chosen.min(count - 1) {
-                line_of_lane(search, lane, count as f64);
-            }
+    let all = narrow != 0
+        && narrow & vertices.rests == 0
+        && (is_wide(search, narrow) || sees_several(search, narrow & search.bounce.rays.active));
+    let some = if all { LANES as u32 } else { 1 };
+    lines_of_some(search, narrow, some, 0);
+    if !search.scene.lobe_drift.is_some_and(|drift| drift.has_crowd) {
+        lines_of_some(search, others, 1, 1);
+        return;
+    }
+    let mesh_of_triangle = &search.scene.view.geometry.mesh_of_triangle;
+    let mesh = |lane: u32| mesh_of_triangle[vertices.triangle[lane as usize] as usize];
+    let mut group = 1;
+    while others != 0 {
+        let first = others.trailing_zeros();
+        let has = |&l: &u32| others >> l & 1 == 1 && mesh(l) == mesh(first);
+        let lanes = (first..LANES as u32).filter(has).fold(0, |b, l| b | 1 << l);
+        lines_of_some(search, lanes, IN_CROWDS, group);
+        others &= !lanes;
+        group += 1;
+    }
+}
+
+/// Lines for so many of these lanes, which stand for all; `group` is one of the packet's.
+fn lines_of_some(search: &mut LobeSearch, lanes: u32, some: u32, group: u32) {
+    let numbers = &search.at.numbers;
+    let count = lanes.count_ones();
+    let some = some.min(count);
+    let name = [numbers.index[0], numbers.depth, group];
+    let start = f64::from(numbers.stream.single(Single::LobeLane, name));
+    let step = f64::from(count) / f64::from(some);
+    let mut chosen = (0..some).map(|i| ((start + f64::from(i)) * step) as u32);
+    let mut next = chosen.next();
+    let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
+    for (number, lane) in (0..count).zip(lanes) {
+        if next.map(|n| n.min(count - 1)) == Some(number) {
+            line_of_lane(search, lane, step);
+            next = chosen.next();
         }
     }
 }
