@@ -1,7 +1,8 @@
 //! What directions over lobes drift with (`paths::lobe_drift`), and where they rest.
 //!
-//! Bounces follow the pieces of metal, glass and plastic, because their light changes along them; and
-//! meshes of many pieces, because there are too many borders to find.
+//! Bounces follow pieces of metal, glass and plastic, because their light changes along them; pieces
+//! that are curved, along which points slide near an outline; and meshes of many pieces, because there
+//! are too many borders to find.
 //!
 //! Where a surface is full of detail its normal turns by much over its own size. A lobe that turns
 //! with the normal sweeps over what it sees, and where it sees such a surface again, as inside of
@@ -19,6 +20,8 @@ use std::collections::BTreeMap;
 /// The mean turn of a mesh's normals over half its size from which it is full of detail; a ball's
 /// is 1.7.
 const DETAIL_RAD: f64 = 3.0;
+/// The same from which it is curved, so that points on it slide near its outline.
+const CURVED_RAD: f64 = 1.0;
 /// So many pieces of a mesh are a crowd...
 const CROWD: usize = 16;
 /// ...unless one of them has more than one in so many of its triangles.
@@ -36,8 +39,9 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
     let geometry = view.geometry;
     let meshes = 0..geometry.smooth.len();
     let crowds: Vec<bool> = meshes.clone().map(|m| is_crowd(scene, m)).collect();
-    let bodies = meshes.clone().flat_map(|m| bodies_of(scene, m, crowds[m]));
-    let rests = meshes.map(|mesh| detail_rad(geometry, mesh) > DETAIL_RAD);
+    let details_rad: Vec<f64> = meshes.clone().map(|m| detail_rad(geometry, m)).collect();
+    let bodies = meshes.flat_map(|m| bodies_of(scene, m, crowds[m], details_rad[m]));
+    let rests = details_rad.iter().map(|&detail| detail > DETAIL_RAD);
     LobeDrift::new(bodies.collect(), crowds.contains(&true), rests.collect())
 }
 
@@ -64,14 +68,15 @@ fn number(scene: &SearchScene, triangle: &[u32; 3]) -> u32 {
     scene.pieces().number(triangle[0])
 }
 
-/// A crowd is one body; of other meshes each piece is one, if it is special.
-fn bodies_of(scene: &SearchScene, mesh: usize, is_crowd: bool) -> Vec<Body> {
+/// A crowd is one body; of other meshes each piece is one, if it is special or curved.
+fn bodies_of(scene: &SearchScene, mesh: usize, is_crowd: bool, detail_rad: f64) -> Vec<Body> {
     let triangles = triangles_of(scene, mesh);
     if is_crowd {
         return body(scene, triangles).into_iter().collect();
     }
     let view = scene.view;
-    if !view.materials.is_special(view.scene.meshes[mesh].material) {
+    let is_special = view.materials.is_special(view.scene.meshes[mesh].material);
+    if !is_special && detail_rad <= CURVED_RAD {
         return Vec::new();
     }
     let mut of_piece: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
