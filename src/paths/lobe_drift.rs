@@ -40,8 +40,15 @@ pub struct LobeDrift {
     any_moves: bool,
     /// Whether a mesh is of so many pieces that most lines see several.
     pub has_crowd: bool,
-    /// Meshes over whose lobes directions rest in the world.
-    rests: Vec<bool>,
+    rests: Vec<Rests>,
+}
+
+/// Over which lobes of a mesh directions rest in the world.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rests {
+    pub diffuse: bool,
+    /// Of rough metal and glass.
+    pub rough: bool,
 }
 
 /// The field at one direction.
@@ -67,11 +74,11 @@ pub struct FieldBars {
 impl LobeDrift {
     /// Follows the largest of these bodies, and rests over the lobes of some meshes; `None` if there
     /// are neither.
-    pub fn new(mut bodies: Vec<Body>, has_crowd: bool, rests: Vec<bool>) -> Option<Self> {
+    pub fn new(mut bodies: Vec<Body>, has_crowd: bool, rests: Vec<Rests>) -> Option<Self> {
         bodies.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         bodies.truncate(MOST_BODIES);
         let any_moves = bodies.iter().any(|b| b.moves);
-        let any = !bodies.is_empty() || rests.contains(&true);
+        let any = !bodies.is_empty() || rests.iter().any(|r| r.diffuse || r.rough);
         any.then_some(Self {
             bodies,
             any_moves,
@@ -80,11 +87,19 @@ impl LobeDrift {
         })
     }
 
-    /// The lanes whose triangle belongs to a mesh over which directions rest.
-    pub fn resting_lanes(&self, geometry: &Geometry, triangles: &[u32; LANES]) -> u32 {
+    /// The lanes whose triangle belongs to a mesh over whose lobes directions rest: diffuse ones,
+    /// and those of rough metal and glass.
+    pub fn resting_lanes(&self, geometry: &Geometry, triangles: &[u32; LANES]) -> [u32; 2] {
         let mesh = |t: u32| geometry.mesh_of_triangle[t as usize] as usize;
-        let rests = |&l: &usize| triangles[l] != NO_TRIANGLE && self.rests[mesh(triangles[l])];
-        (0..LANES).filter(rests).fold(0, |bits, l| bits | 1 << l)
+        let mut lanes = [0; 2];
+        for (lane, &triangle) in triangles.iter().enumerate() {
+            if triangle != NO_TRIANGLE {
+                let Rests { diffuse, rough } = self.rests[mesh(triangle)];
+                lanes[0] |= u32::from(diffuse) << lane;
+                lanes[1] |= u32::from(rough) << lane;
+            }
+        }
+        lanes
     }
 
     /// Whether any body moves.

@@ -34,7 +34,7 @@ impl SceneView<'_> {
         let rough = plain & (metal | glass) & !(kinds.smooth | kinds.thin);
         vertices.drifts = diffuse;
         let resting = drift.resting_lanes(self.geometry, &vertices.triangle);
-        vertices.rests = resting & (diffuse | rough);
+        vertices.rests = resting[0] & diffuse | resting[1] & rough;
         let is_carried = |&lane: &usize| {
             let has = |bits: u32| bits >> lane & 1 == 1;
             let [x, n, d] = [surface.x, surface.n, direction].map(|v| lane_of(v, lane).as_dvec3());
