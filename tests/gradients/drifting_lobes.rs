@@ -93,14 +93,21 @@ fn metal_bar() -> Scene {
 
 /// It in an even sky, above a floor.
 fn seen(paint: impl Fn(Scene) -> Scene) -> Scene {
-    let thing = dented(vec3(0.0, 0.0, 0.45), 0.35);
+    paint(above(dented(vec3(0.0, 0.0, 0.45), 0.35)))
+}
+
+fn above(thing: Shape) -> Scene {
     let from = vec3(0.3, -3.0, 1.6);
-    let scene = scene(from, vec3(0.0, 0.0, 0.35), 20.0, [10; 2], GAUSSIAN)
+    scene(from, vec3(0.0, 0.0, 0.35), 20.0, [10; 2], GAUSSIAN)
         .depth(4)
         .solid("floor", floor(0.7, 0.0), [0.7, 0.3, 0.2])
         .smooth("thing", thing, [0.6; 3])
-        .constant_environment(SKY);
-    paint(scene)
+        .constant_environment(SKY)
+}
+
+/// Over which diffuse directions rest, and others do not.
+fn painted_ball() -> Scene {
+    above(ball(3, vec3(0.0, 0.0, 0.45), 0.35))
 }
 
 fn of_glass() -> Scene {
@@ -154,6 +161,13 @@ fn a_dented_thing_of_paint() {
 }
 
 #[test]
+fn a_ball_of_paint() {
+    for part in [MOVED, BY_CAMERA] {
+        agrees(&painted_ball(), part, 256);
+    }
+}
+
+#[test]
 fn a_crowd_that_a_floor_sees() {
     let turned: (&str, &[f32]) = ("thing.rotation", &[0.5, 0.8, 0.3]);
     for part in [turned, MOVED] {
@@ -177,6 +191,7 @@ fn transposition() {
     let metal = seen(|scene| scene.metal("thing", 0.1, Ggx));
     transposed(&metal, Method::Reparam, &[painted]);
     transposed(&seen(|scene| scene), Method::Reparam, &[]);
+    transposed(&painted_ball(), Method::Reparam, &[]);
 }
 
 /// Inside of glass a direction that turned with the normals would turn by many times as much at every
