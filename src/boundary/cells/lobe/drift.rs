@@ -28,6 +28,8 @@ const CURVED_RAD: f64 = 1.0;
 const CROWD: usize = 16;
 /// ...unless one of them has more than one in so many of its triangles.
 const LARGEST: usize = 4;
+/// So many triangles tell where a body is.
+const MOST_TRIANGLES: usize = 1 << 14;
 /// Of the radius of a ball: all of its triangles' middles are as far from its centre. Those of an
 /// icosahedron are at 0.79.
 const BALL: f64 = 0.75;
@@ -53,13 +55,16 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
 /// Whether a mesh is of many pieces of which none is large.
 fn is_crowd(scene: &SearchScene, mesh: usize) -> bool {
     let triangles = triangles_of(scene, mesh);
-    let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
     // Triangles of a piece mostly follow one another.
-    for piece in triangles.chunk_by(|a, b| number(scene, a) == number(scene, b)) {
-        *sizes.entry(number(scene, &piece[0])).or_default() += piece.len();
+    let runs = || triangles.chunk_by(|a, b| number(scene, a) == number(scene, b));
+    if runs().take(CROWD).count() < CROWD {
+        return false;
     }
-    let largest = sizes.values().max().copied().unwrap_or(0);
-    sizes.len() >= CROWD && LARGEST * largest < triangles.len()
+    let mut sizes = vec![0; scene.pieces().count()];
+    runs().for_each(|run| sizes[number(scene, &run[0]) as usize] += run.len());
+    let largest = sizes.iter().max().copied().unwrap_or(0);
+    let count = sizes.iter().filter(|&&size| size > 0).count();
+    count >= CROWD && LARGEST * largest < triangles.len()
 }
 
 fn triangles_of<'a>(scene: &'a SearchScene, mesh: usize) -> &'a [[u32; 3]] {
@@ -93,9 +98,11 @@ fn bodies_of(scene: &SearchScene, mesh: usize, is_crowd: bool, detail_rad: f64) 
     pieces.filter_map(|piece| body(scene, piece)).collect()
 }
 
-/// What these triangles make up.
+/// What these triangles make up, as some of them tell.
 fn body(scene: &SearchScene, triangles: &[[u32; 3]]) -> Option<Body> {
     let geometry = scene.view.geometry;
+    let step = triangles.len().div_ceil(MOST_TRIANGLES);
+    let triangles: Vec<[u32; 3]> = triangles.iter().copied().step_by(step).collect();
     let position = |v: u32| geometry.positions[v as usize].as_dvec3();
     // Files have vertices of no triangle, too.
     let mut vertices = triangles.as_flattened().to_vec();
