@@ -30,7 +30,7 @@ pub(crate) type D = Dual<Lane>;
 pub struct ForwardSweep<'a> {
     pub view: &'a SceneView<'a>,
     pub motion: &'a Motion,
-    /// What carries bounces of diffuse lobes, and the velocity of each body that it follows.
+    /// What directions over lobes move with, and how each body that it follows moves.
     pub(crate) lobe_drift: Option<(&'a LobeDrift, Vec<BodyMotion>)>,
     camera_lanes: MovingCamera<Lane>,
     pub(crate) camera_f64: MovingCamera<f64>,
@@ -78,14 +78,14 @@ impl<'a> ForwardSweep<'a> {
         motion: &'a Motion,
         lobe_drift: Option<&'a LobeDrift>,
     ) -> Self {
-        let velocities = |drift: &'a LobeDrift| {
+        let motions = |drift: &'a LobeDrift| {
             let of = |body: &Body| body.motion(|v| motion.velocity(v));
             (drift, drift.bodies.iter().map(of).collect())
         };
         Self {
             view,
             motion,
-            lobe_drift: lobe_drift.map(velocities),
+            lobe_drift: lobe_drift.map(motions),
             camera_lanes: motion.camera(&view.camera),
             camera_f64: motion.camera(&view.camera),
         }

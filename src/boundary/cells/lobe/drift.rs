@@ -56,15 +56,13 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
 fn is_crowd(scene: &SearchScene, mesh: usize) -> bool {
     let triangles = triangles_of(scene, mesh);
     // Triangles of a piece mostly follow one another.
-    let runs = || triangles.chunk_by(|a, b| number(scene, a) == number(scene, b));
-    if runs().take(CROWD).count() < CROWD {
-        return false;
+    let runs = triangles.chunk_by(|a, b| number(scene, a) == number(scene, b));
+    let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+    for run in runs {
+        *sizes.entry(number(scene, &run[0])).or_default() += run.len();
     }
-    let mut sizes = vec![0; scene.pieces().count()];
-    runs().for_each(|run| sizes[number(scene, &run[0]) as usize] += run.len());
-    let largest = sizes.iter().max().copied().unwrap_or(0);
-    let count = sizes.iter().filter(|&&size| size > 0).count();
-    count >= CROWD && LARGEST * largest < triangles.len()
+    let largest = sizes.values().max().copied().unwrap_or(0);
+    sizes.len() >= CROWD && LARGEST * largest < triangles.len()
 }
 
 fn triangles_of<'a>(scene: &'a SearchScene, mesh: usize) -> &'a [[u32; 3]] {
