@@ -57,10 +57,11 @@ impl<'a> EditedScene<'a> {
             check_meshes(scene)?;
             let Base {
                 scene: base,
+                parts,
                 followers,
-                ..
             } = self.base;
-            self.lease = Some(followers.follow(base, scene, &self.edits, threads)?);
+            let scenes = [base, scene];
+            self.lease = Some(followers.follow(scenes, parts.origin(), &self.edits, threads)?);
         }
         Ok(())
     }

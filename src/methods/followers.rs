@@ -2,10 +2,11 @@
 
 use super::edits::Edits;
 use super::error::EngineError;
-use super::parts::views;
+use super::placed::Placed;
 use crate::scene::Scene;
 use crate::trace::tightness::Tightness;
 use crate::trace::{Accel, AccelOptions, Backend, TraceError};
+use glam::Vec3;
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -54,19 +55,19 @@ impl Followers {
         }
     }
 
-    /// A structure over `moved`, the scene `base` with other vertices: refitted, or built anew
-    /// where boxes would get loose.
+    /// A structure over `moved`, the scene `base` with other vertices, both about `origin`:
+    /// refitted, or built anew where boxes would get loose.
     pub fn follow(
         &self,
-        base: &Scene,
-        moved: &Scene,
+        [base, moved]: [&Scene; 2],
+        origin: Vec3,
         edits: &Edits,
         threads: usize,
     ) -> Result<Lease, EngineError> {
         let failed = |error: TraceError| EngineError::Failed(error.to_string());
         let options = AccelOptions::new(true, threads).on(self.backend);
-        let base = views(&base.meshes);
-        let now = views(&moved.meshes);
+        let [base, now] = [base, moved].map(|scene| Placed::new(&scene.meshes, origin));
+        let [base, now] = [base.views(), now.views()];
         let tightness = self.tightness.get_or_init(|| Tightness::new(&base));
         if tightness.looseness(&now, &edits.moved) > LOOSEST {
             let accel = Accel::build(&now, options).map_err(failed)?;

@@ -19,6 +19,7 @@ mod moving_samples;
 mod objective;
 mod parts;
 mod pilot;
+mod placed;
 mod prepared;
 mod progress;
 mod reach;

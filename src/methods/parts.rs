@@ -3,6 +3,7 @@
 use super::decisions::Decisions;
 use super::edits::Edits;
 use super::error::EngineError;
+use super::placed::Placed;
 use super::reach::check_meshes;
 use super::workers::Workers;
 use crate::discontinuity::adjacency::Adjacency;
@@ -10,9 +11,10 @@ use crate::paths::environment::distribution::MapDistribution;
 use crate::paths::light::patches::Lights;
 use crate::paths::surface::materials::MaterialTable;
 use crate::room::{Cancelled, Unfinished};
-use crate::scene::{Mesh, Scene};
+use crate::scene::Scene;
 use crate::trace::geometry::Geometry;
-use crate::trace::{Accel, AccelOptions, Backend, MeshView};
+use crate::trace::{Accel, AccelOptions, Backend};
+use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
 /// What is computed from a scene before anything is traced. Clones share it.
@@ -38,12 +40,12 @@ impl Parts {
         cancelled: Cancelled,
     ) -> Result<Self, EngineError> {
         check_meshes(scene)?;
+        let geometry = Geometry::new(scene);
         let accel = Accel::build(
-            &views(&scene.meshes),
+            &Placed::new(&scene.meshes, geometry.origin).views(),
             AccelOptions::new(true, workers.threads).on(backend),
         )
         .map_err(|error| EngineError::Failed(error.to_string()))?;
-        let geometry = Geometry::new(scene);
         Ok(Self {
             lights: lights(scene, &geometry, workers),
             materials: Arc::new(MaterialTable::new(scene)),
@@ -67,7 +69,7 @@ impl Parts {
     ) -> Result<Self, EngineError> {
         let moves = edits.moved.contains(&true);
         let geometry = match moves {
-            true => Arc::new(Geometry::new(scene)),
+            true => Arc::new(Geometry::about(scene, self.geometry.origin)),
             false => self.geometry.clone(),
         };
         let adjacency = match self.adjacency.get() {
@@ -105,6 +107,11 @@ impl Parts {
         self.adjacency.get_or_init(make);
     }
 
+    /// The point of the world that is traced as (0, 0, 0).
+    pub fn origin(&self) -> Vec3 {
+        self.geometry.origin
+    }
+
     /// What rays are traced against.
     pub fn accel(&self) -> &Arc<Accel> {
         &self.accel
@@ -132,15 +139,4 @@ fn map_distribution(
         .pool
         .install(|| MapDistribution::new(texture, map, cancelled));
     Ok(Some(Arc::new(made?)))
-}
-
-/// The meshes as they are traced.
-pub fn views(meshes: &[Mesh]) -> Vec<MeshView<'_>> {
-    meshes
-        .iter()
-        .map(|mesh| MeshView {
-            positions: &mesh.positions,
-            triangles: &mesh.triangles,
-        })
-        .collect()
 }

@@ -25,7 +25,8 @@ use crate::paths::random::Stream;
 use crate::paths::scene_view::{PathLimits, SceneView};
 use crate::picture::Image;
 use crate::room::NoRoom;
-use crate::scene::{Film, Rgb, Scene, SceneDifferential, Sensor};
+use crate::scene::{DeltaLight, DeltaLightKind, Film, Rgb, Scene, SceneDifferential, Sensor};
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -44,6 +45,8 @@ pub struct Stage<'a> {
     has_tile_lenses: bool,
     constants: Constants,
     pub camera: Camera,
+    /// About the origin of what is traced.
+    delta_lights: Vec<DeltaLight>,
     pub lattice: Lattice,
     pub filter: FilmFilter,
     pub limits: PathLimits,
@@ -72,6 +75,8 @@ impl<'a> Stage<'a> {
             ));
         }
         let mut sensor = sensor(scene, settings)?;
+        let origin = parts.origin();
+        sensor.to_world.translation -= Vec3A::from(origin);
         if let (Some(_), Some(film)) = (boundary, settings.method.estimator().film) {
             sensor.film =
                 film(&settings.constants.warp, sensor.film).map_err(EngineError::Refused)?;
@@ -102,6 +107,7 @@ impl<'a> Stage<'a> {
             has_tile_lenses: false,
             constants: settings.constants,
             camera: Camera::new(&sensor),
+            delta_lights: placed(&scene.delta_lights, origin),
             lattice,
             filter,
             limits: PathLimits {
@@ -152,6 +158,7 @@ impl<'a> Stage<'a> {
     pub fn view(&self) -> SceneView<'_> {
         SceneView {
             scene: self.scene,
+            delta_lights: &self.delta_lights,
             geometry: &self.parts.geometry,
             accel: &self.parts.accel,
             lights: &self.parts.lights,
@@ -262,6 +269,17 @@ impl<'a> Stage<'a> {
             pixels,
         }
     }
+}
+
+/// Lights about another origin.
+fn placed(lights: &[DeltaLight], origin: Vec3) -> Vec<DeltaLight> {
+    let mut placed = lights.to_vec();
+    for light in &mut placed {
+        if let DeltaLightKind::Point { position } = &mut light.kind {
+            *position -= origin;
+        }
+    }
+    placed
 }
 
 /// The sensor with the film that is asked for. What is beyond single precision, or beyond the

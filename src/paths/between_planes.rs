@@ -95,7 +95,7 @@ impl SceneView<'_> {
         }
         let [from, to] = vertices.delta_lights.map(|i| i as usize);
         let sights = &mut store.delta_visible[from..to];
-        for (light, sight) in self.scene.delta_lights.iter().zip(sights) {
+        for (light, sight) in self.delta_lights.iter().zip(sights) {
             let counts = if with_delta_lights {
                 between.count(toward(light, surface.x).0)
             } else {

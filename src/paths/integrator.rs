@@ -269,7 +269,7 @@ impl Integrator<'_> {
             store.environment_samples.push(sample);
             vertices.environment = [place, place + 1];
         }
-        if !view.scene.delta_lights.is_empty() {
+        if !view.delta_lights.is_empty() {
             view.see_delta_lights(vertices, surface, store);
         }
         vertices.boundary = [first, store.found.samples.len() as u32];

@@ -6,7 +6,7 @@ use crate::paths::film::camera::Camera;
 use crate::paths::light::patches::Lights;
 use crate::paths::rays::{RayPacket, to_rays};
 use crate::paths::surface::materials::MaterialTable;
-use crate::scene::Scene;
+use crate::scene::{DeltaLight, Scene};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use crate::trace::{Accel, Coherence, Hits, MISS, Rays};
 use glam::Vec3;
@@ -24,6 +24,8 @@ pub struct PathLimits {
 /// Everything a path needs to know of the scene.
 pub struct SceneView<'a> {
     pub scene: &'a Scene,
+    /// The scene's, about the geometry's origin.
+    pub delta_lights: &'a [DeltaLight],
     pub geometry: &'a Geometry,
     pub accel: &'a Accel,
     pub lights: &'a Lights,

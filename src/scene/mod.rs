@@ -18,6 +18,7 @@ pub mod metals;
 mod names;
 pub mod nearest;
 mod observer;
+mod origin;
 pub mod parameters;
 mod reads;
 mod rigid;
@@ -33,4 +34,5 @@ pub use differential::{CameraDifferential, EnvironmentDifferential, SceneDiffere
 pub use error::{Place, SceneError};
 pub use fineness::{RAY_OFFSET, unit};
 pub use load::{load, load_from, load_to_list};
+pub use origin::origin;
 pub use vertex_normals::vertex_normals;

@@ -12,7 +12,10 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// Vertices and triangles of the whole scene, numbered across meshes.
 pub struct Geometry {
+    /// About `origin`.
     pub positions: Vec<Vec3>,
+    /// The point of the world that is (0, 0, 0) here.
+    pub origin: Vec3,
     /// Vertices of each triangle, numbered across meshes.
     pub triangles: Vec<[u32; 3]>,
     /// The mesh of each triangle.
@@ -36,6 +39,11 @@ pub struct Geometry {
 
 impl Geometry {
     pub fn new(scene: &Scene) -> Self {
+        Self::about(scene, crate::scene::origin(&scene.meshes))
+    }
+
+    /// With this origin.
+    pub fn about(scene: &Scene, origin: Vec3) -> Self {
         let smooth: Vec<bool> = scene
             .meshes
             .iter()
@@ -45,6 +53,7 @@ impl Geometry {
         let any_uv = scene.meshes.iter().any(|m| !m.uvs.is_empty());
         let mut g = Self {
             positions: Vec::new(),
+            origin,
             triangles: Vec::new(),
             mesh_of_triangle: Vec::new(),
             first_vertex: vec![0],
@@ -53,11 +62,12 @@ impl Geometry {
             uvs: Vec::new(),
             smooth,
             patterns: scene.meshes.iter().map(|m| Pattern::of(scene, m)).collect(),
-            unit: crate::scene::unit(&scene.meshes),
+            unit: crate::scene::unit(&scene.meshes, origin),
         };
         for (index, mesh) in scene.meshes.iter().enumerate() {
             let base = g.positions.len() as u32;
-            g.positions.extend_from_slice(&mesh.positions);
+            g.positions
+                .extend(mesh.positions.iter().map(|p| *p - origin));
             g.triangles
                 .extend(mesh.triangles.iter().map(|t| t.map(|v| v + base)));
             g.mesh_of_triangle.resize(g.triangles.len(), index as u32);

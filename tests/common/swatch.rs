@@ -62,6 +62,7 @@ impl Swatch {
     pub fn view(&self) -> SceneView<'_> {
         SceneView {
             scene: &self.scene,
+            delta_lights: &self.scene.delta_lights,
             geometry: &self.geometry,
             accel: &self.accel,
             lights: &self.lights,

@@ -2,10 +2,10 @@
 
 use common::scenes::*;
 use common::{Direction, Quiet, direction, settings};
-use glam::{Vec3, vec3};
+use glam::{Vec3, Vec3A, vec3};
 use warpath::methods::{self, Image, Method, Objective, Settings};
 use warpath::scene::parameters::{self, Parameter};
-use warpath::scene::{DeltaLightKind, Scene, SceneDifferential};
+use warpath::scene::{DeltaLightKind, Scene, SceneDifferential, origin};
 
 /// More tiles than the threads are given at once, lights, an environment, several bounces.
 fn room() -> Scene {
@@ -153,4 +153,32 @@ fn seeds_differ() {
         );
         assert!(a.reverse != b.reverse, "two seeds give the same gradient");
     }
+}
+
+/// All that has a place, somewhere else.
+fn shifted(mut scene: Scene, by: Vec3) -> Scene {
+    for mesh in &mut scene.meshes {
+        mesh.positions.iter_mut().for_each(|p| *p += by);
+        mesh.to_world.translation += by.as_dvec3();
+    }
+    for sensor in &mut scene.sensors {
+        sensor.to_world.translation += Vec3A::from(by);
+    }
+    for light in &mut scene.delta_lights {
+        if let DeltaLightKind::Point { position } = &mut light.kind {
+            *position += by;
+        }
+    }
+    scene
+}
+
+#[test]
+fn a_scene_far_away_gives_the_bytes_of_the_same_scene_nearby() {
+    let far = shifted(room(), vec3(12345.0, -7000.0, 3000.0));
+    let middle = origin(&far.meshes);
+    assert!(middle.length() > 10_000.0);
+    // No number of it is rounded again.
+    let near = shifted(far.clone(), -middle);
+    assert_eq!(origin(&near.meshes), Vec3::ZERO);
+    assert!(run(&far, 5, 2) == run(&near, 5, 2));
 }

@@ -108,7 +108,7 @@ impl BackwardSweep<'_> {
         let corners = geometry.triangles[receiver as usize];
         let [p, q, r] = corners.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
         let y = dvec3(triangle_point(vector(x), vector(d), p, q, r));
-        let y_bar = match self.view.scene.delta_lights[light].kind {
+        let y_bar = match self.view.delta_lights[light].kind {
             DeltaLightKind::Point { position } => {
                 let toward = position.as_dvec3() - y;
                 let (y_bar, light_bar) = self.side_seen(sample, y, toward, bar, sums);

@@ -116,7 +116,7 @@ impl ForwardSweep<'_> {
         let [p, q, r] = corners.map(|v| self.motion.point(geometry, v));
         let y = triangle_point(x, direction, p, q, r);
         let light = light as usize;
-        let toward = match self.view.scene.delta_lights[light].kind {
+        let toward = match self.view.delta_lights[light].kind {
             DeltaLightKind::Point { position } => {
                 dual_vector(splat(position), splat(self.motion.delta_lights[light])) - y
             }

@@ -29,10 +29,9 @@ impl BackwardSweep<'_> {
         bars: &mut VertexBars,
         sums: &mut TileSums,
     ) {
-        let scene = self.view.scene;
         let sights = store.delta_visible(here.vertices);
         let glass = here.vertices.kinds.rough_glass();
-        for ((i, light), sight) in scene.delta_lights.iter().enumerate().zip(sights) {
+        for ((i, light), sight) in self.view.delta_lights.iter().enumerate().zip(sights) {
             let seen = sight.seen;
             for (bits, is_glass) in [(seen & !glass, false), (seen & glass, true)] {
                 if bits == 0 {

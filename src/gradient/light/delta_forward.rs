@@ -18,8 +18,7 @@ impl ForwardSweep<'_> {
     pub(crate) fn delta_lights(&self, store: &TileStore, here: &MovingVertex) -> V3<Lane> {
         let sights = store.delta_visible(here.vertices);
         let mut sum = V3::splat(0.0);
-        let scene = self.view.scene;
-        for ((i, light), sight) in scene.delta_lights.iter().enumerate().zip(sights) {
+        for ((i, light), sight) in self.view.delta_lights.iter().enumerate().zip(sights) {
             let seen = sight.seen;
             if seen == 0 {
                 continue;

@@ -61,7 +61,7 @@ impl TracedTile {
             hidden: Vec::new(),
         };
         if estimator.closes_lattice() {
-            let lights = view.scene.delta_lights.len();
+            let lights = view.delta_lights.len();
             image.hidden = vec![vec![false; columns * rows]; lights];
         }
         for packet in packets(&tile, estimator.closes_lattice()) {

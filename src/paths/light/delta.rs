@@ -21,7 +21,7 @@ impl SceneView<'_> {
     ) {
         let first = store.delta_visible.len() as u32;
         let counted = &mut store.counts.shadow;
-        for light in &self.scene.delta_lights {
+        for light in self.delta_lights {
             let sight = self.delta_sight(light, vertices, surface, counted);
             store.delta_visible.push(sight);
         }
@@ -62,7 +62,7 @@ impl SceneView<'_> {
     ) -> V3<Lane> {
         let mut sum = V3::splat(0.0);
         let glass = vertices.kinds.rough_glass();
-        for (light, &DeltaSight { seen, .. }) in self.scene.delta_lights.iter().zip(visible) {
+        for (light, &DeltaSight { seen, .. }) in self.delta_lights.iter().zip(visible) {
             if seen == 0 {
                 continue;
             }

@@ -141,7 +141,7 @@ fn toward_delta_light<F: Real<Mask = bool>>(
     };
     let [p, q, r] = view.geometry.triangles[receiver as usize].map(position);
     let y = triangle_point(o, d, p, q, r);
-    (y, toward(&view.scene.delta_lights[light as usize], y).0)
+    (y, toward(&view.delta_lights[light as usize], y).0)
 }
 
 /// c in F = c·d for the directions d in which a chain's first ray starts at `o`: how the boundary's F

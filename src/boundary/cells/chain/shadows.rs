@@ -58,9 +58,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             return;
         }
         for run in runs {
-            for light in 0..view.scene.delta_lights.len() {
+            for light in 0..view.delta_lights.len() {
                 self.of_light(run, light, way);
-                if let Some(rim) = Rim::of(&view.scene.delta_lights[light]) {
+                if let Some(rim) = Rim::of(&view.delta_lights[light]) {
                     self.rim_on(run, (light, &rim), way);
                 }
             }

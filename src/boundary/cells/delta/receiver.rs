@@ -46,7 +46,7 @@ impl<'a> Receiver<'a> {
         let [p, q, r] = corners;
         Self {
             scene,
-            light: &scene.view.scene.delta_lights[light],
+            light: &scene.view.delta_lights[light],
             triangle,
             corners,
             normal: (q - p).cross(r - p).normalize(),

@@ -40,7 +40,7 @@ pub fn brought(
         triangle: *receivers,
         ..Vertices::default()
     };
-    let sights: Vec<DeltaSight> = (0..view.scene.delta_lights.len() as u32)
+    let sights: Vec<DeltaSight> = (0..view.delta_lights.len() as u32)
         .map(|light| {
             let its = (0..LANES).filter(|&l| lights[l] == light);
             DeltaSight {

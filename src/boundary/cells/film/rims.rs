@@ -12,7 +12,7 @@ use crate::trace::geometry::NO_TRIANGLE;
 
 /// Finds the borders that move.
 pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts) {
-    let rims = Rim::all(&cells.scene.view.scene.delta_lights);
+    let rims = Rim::all(cells.scene.view.delta_lights);
     if rims.is_empty() || !cells.scene.moving.anything() {
         return;
     }

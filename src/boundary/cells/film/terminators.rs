@@ -81,7 +81,7 @@ fn from_point(
         let Some(edge) = pair[0].bend(geometry, adjacency) else {
             continue;
         };
-        for light in 0..scene.view.scene.delta_lights.len() {
+        for light in 0..scene.view.delta_lights.len() {
             let jump = turn(cells, light, &rays, pair, counts);
             let along = (to - from) as f64;
             let mut at = cells.position(line, from);

@@ -12,7 +12,7 @@ use crate::trace::geometry::NO_TRIANGLE;
 
 /// Those that move, in the cells of a line.
 pub fn find(scene: &SearchScene, line: &Line, cells: &[LobeCell], counts: &mut Counts) -> Vec<Met> {
-    let rims = Rim::all(&scene.view.scene.delta_lights);
+    let rims = Rim::all(scene.view.delta_lights);
     let mut met = Vec::new();
     if rims.is_empty() {
         return met;

@@ -96,7 +96,7 @@ impl OnLine<'_> {
     /// For each light, at which of the line's points it is hidden from what is seen.
     fn hidden(&self, counts: &mut Counts) -> Vec<Vec<bool>> {
         let view = self.scene.view;
-        let lights = &view.scene.delta_lights;
+        let lights = &view.delta_lights;
         let first = self
             .cells
             .iter()

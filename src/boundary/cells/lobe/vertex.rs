@@ -57,7 +57,7 @@ impl Border<'_> {
 impl LobeSearch<'_> {
     /// Whether what a line sees may lie in a delta light's shadow that moves.
     pub fn has_sharp_shadows(&self) -> bool {
-        let lights = &self.scene.view.scene.delta_lights;
+        let lights = &self.scene.view.delta_lights;
         !self.at_last && !lights.is_empty() && self.scene.moving.anything()
     }
 
