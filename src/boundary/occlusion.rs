@@ -21,8 +21,9 @@ pub const NEAREST: f64 = 2e-6;
 /// Halvings of an interval in which the end of a shadow lies that nothing explains: its length is
 /// wanted for the shadow's other end.
 const BISECTIONS: u32 = 16;
-/// Occluders behind one another that are followed before a cell is given up.
-pub const MAX_OCCLUDERS: usize = 64;
+/// Occluders behind one another that are followed before a cell is given up: the slats of a long
+/// fence.
+pub const MAX_OCCLUDERS: usize = 1024;
 
 /// From acute edges of bodies with shading normals they keep this many times the distance from
 /// surfaces at which rays start, but not more than this fraction. Shading normals send rays into a
@@ -186,12 +187,14 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     } = *way;
     let view = scene.view;
     let mut at = 0.0;
-    let is_free = |at: f64, counts: &mut Counts| {
-        if at >= 1.0 {
-            return is_open_at_one;
-        }
+    let occluder = |at: f64, counts: &mut Counts| {
         counts.probe += 1;
-        !is_occluder(point.first_hit(view, direction(at), far), lamp)
+        let triangle = point.first_hit(view, direction(at), far);
+        is_occluder(triangle, lamp).then_some(triangle)
+    };
+    let lost = |at: f64, counts: &mut Counts| {
+        let hides = |at: f64| occluder(at, counts).is_some();
+        Followed::Lost(end_beyond(at, hides))
     };
     // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
     // hides.
@@ -199,60 +202,59 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     let (low, high) = (height(0.0), height(1.0));
     let crossing = low / (low - high);
     let mut limit = 1.0;
+    // What ends at `at`, behind which the next occluder stands.
+    let mut end = None;
     if low < 0.0 && high < 0.0 {
         return Followed::AllHidden;
     }
     if low * high < 0.0 {
         if low < 0.0 {
             at = crossing + PROBE;
-            if is_free(at, counts) {
-                return Followed::End(OccluderEnd {
-                    edge: point.plane_edge(view),
-                    along: None,
-                    at: crossing,
-                });
-            }
+            end = Some(OccluderEnd {
+                edge: point.plane_edge(view),
+                along: None,
+                at: crossing,
+            });
         } else {
             limit = crossing;
         }
     }
     for _ in 0..MAX_OCCLUDERS {
-        counts.probe += 1;
-        let triangle = point.first_hit(view, direction(at), far);
-        if !is_occluder(triangle, lamp) {
-            return Followed::Lost(end_beyond(at, is_free, counts));
+        if at >= limit && !is_open_at_one {
+            return Followed::AllHidden;
         }
+        let hiding = if at < 1.0 { occluder(at, counts) } else { None };
+        let triangle = match (hiding, end) {
+            (Some(triangle), _) => triangle,
+            (None, Some(end)) => return Followed::End(end),
+            (None, None) => return lost(at, counts),
+        };
         let ends = [direction(at), direction(1.0)];
         let fold = match walk_over(scene, point, triangle, ends) {
             Walk::Fold(fold) => fold,
             Walk::Continues if !is_open_at_one => return Followed::AllHidden,
-            _ => return Followed::Lost(end_beyond(at, is_free, counts)),
+            _ => return lost(at, counts),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
         at = crossing + PROBE;
-        if at >= limit && !is_open_at_one {
-            return Followed::AllHidden;
-        }
-        if is_free(at, counts) {
-            return Followed::End(OccluderEnd {
-                edge: fold.edge,
-                along: Some(fold.along),
-                at: crossing,
-            });
-        }
+        end = Some(OccluderEnd {
+            edge: fold.edge,
+            along: Some(fold.along),
+            at: crossing,
+        });
     }
-    Followed::Lost(end_beyond(at, is_free, counts))
+    lost(at, counts)
 }
 
 /// Where what hides coordinate `from` ends, if coordinate 1 is open; an end beyond it else.
-fn end_beyond(from: f64, is_free: impl Fn(f64, &mut Counts) -> bool, counts: &mut Counts) -> f64 {
+fn end_beyond(from: f64, mut hides: impl FnMut(f64) -> bool) -> f64 {
     let [mut hidden, mut open] = [from, 1.0];
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (hidden + open);
-        *(if is_free(middle, counts) {
-            &mut open
-        } else {
+        *(if hides(middle) {
             &mut hidden
+        } else {
+            &mut open
         }) = middle;
     }
     0.5 * (hidden + open)
