@@ -14,11 +14,14 @@ use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{Unresolved, between, between_halves};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
+
+/// Looks at one crossing, at most.
+const MOST_LOOKS: u32 = 32;
 
 /// An interval of a line, or a part of one. Places on it go from 0 to 1.
 pub trait Cell: Copy {
@@ -57,6 +60,10 @@ pub trait Cell: Copy {
 
     /// How many cells it stands for.
     fn weight(&self) -> f64;
+
+    /// Whether what is found in it may be looked at again: what brings nothing at a first look is
+    /// kept, then.
+    fn is_looked_at_again(&self) -> bool;
 }
 
 /// A crossing before its jump is known.
@@ -71,11 +78,7 @@ pub struct Candidate<C> {
 
 /// A crossing at which the radiance jumps.
 pub struct Jump<C> {
-    pub boundary: Boundary,
-    pub is_silhouette: bool,
-    pub cell: C,
-    /// The place in the cell.
-    pub s: f64,
+    pub at: Candidate<C>,
     /// Radiance before minus radiance after it, times how many crossings it stands for.
     pub jump: DVec3,
 }
@@ -165,25 +168,39 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     ) -> Vec<Candidate<C>> {
         let mut rest = Vec::new();
         for group in candidates.chunks(LANES / 2) {
-            let mut directions = [Vec3::Z; LANES];
-            let mut sides = Sides::default();
-            for (i, candidate) in group.iter().enumerate() {
-                let Candidate { crossing, cell, .. } = candidate;
-                for (k, s) in candidate.places_beside().into_iter().enumerate() {
-                    directions[2 * i + k] = cell.direction(s).as_vec3();
-                }
-                let moves = cell.moves(&crossing.boundary);
-                sides.add(i, moves, crossing.kind == Kind::FacetEdge);
-            }
+            let (directions, sides) = beside(group);
             let (radiance, seen) = look(group, &directions, sides, self.counts);
             for (i, candidate) in group.iter().enumerate() {
-                let lanes = [2 * i, 2 * i + 1];
-                let [before, after] = lanes.map(|l| lane_of(radiance, l).as_dvec3());
-                let jump = (before - after) * candidate.crossing.count;
-                rest.extend(self.settle(candidate, jump, lanes.map(|l| seen[l])));
+                let jump = candidate.jump(radiance, i);
+                let seen = [2 * i, 2 * i + 1].map(|l| seen[l]);
+                rest.extend(self.settle(candidate, jump, seen));
             }
         }
         rest
+    }
+
+    /// Looks again at what was met, with `looks` looks each in all, and takes their mean. `look` is
+    /// also given the number of the look, from 1 on.
+    pub fn look_again(
+        &mut self,
+        looks: &[u32],
+        mut look: impl FnMut(u32, &[Candidate<C>], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
+    ) {
+        let most = looks.iter().copied().max().unwrap_or(1);
+        for number in 1..most {
+            let again: Vec<usize> = (0..looks.len()).filter(|&i| looks[i] > number).collect();
+            for group in again.chunks(LANES / 2) {
+                let candidates: Vec<_> = group.iter().map(|&i| self.met[i].at).collect();
+                let (directions, sides) = beside(&candidates);
+                let (radiance, _) = look(number, &candidates, &directions, sides, self.counts);
+                for (lane, &i) in group.iter().enumerate() {
+                    self.met[i].jump += candidates[lane].jump(radiance, lane);
+                }
+            }
+        }
+        for (met, &looks) in self.met.iter_mut().zip(looks) {
+            met.jump /= f64::from(looks);
+        }
     }
 
     /// Keeps a candidate if the radiance jumps there, and returns what else must lie in its cell.
@@ -193,15 +210,13 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         jump: DVec3,
         seen: [u32; 2],
     ) -> Vec<Candidate<C>> {
-        let Candidate { crossing, cell, .. } = *candidate;
+        let Candidate { crossing, .. } = *candidate;
         if !jump.is_finite() {
             self.counts.boundary_not_finite += 1;
-        } else if jump != DVec3::ZERO && !self.is_hidden(candidate, seen) {
+        } else if (jump != DVec3::ZERO || candidate.may_jump()) && !self.is_hidden(candidate, seen)
+        {
             self.met.push(Jump {
-                boundary: crossing.boundary,
-                is_silhouette: crossing.is_silhouette(),
-                cell,
-                s: crossing.s,
+                at: *candidate,
                 jump,
             });
         }
@@ -279,9 +294,52 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     }
 }
 
-impl<C> Candidate<C> {
+impl<C: Cell> Candidate<C> {
+    /// The line's coordinate.
+    pub fn coordinate(&self) -> f64 {
+        self.cell.coordinate(self.crossing.s)
+    }
+
     /// Where probes look, on either side.
     fn places_beside(&self) -> [f64; 2] {
         [-self.beside, self.beside].map(|side| self.crossing.s + side)
     }
+
+    /// How many looks it is worth that is met with this chance. What is met seldom stands for many,
+    /// and the looks that all of these would have had are given to it.
+    pub fn looks(&self, chance: f64) -> u32 {
+        if self.may_jump() {
+            ((1.0 / chance) as u32).clamp(1, MOST_LOOKS)
+        } else {
+            1
+        }
+    }
+
+    /// Whether another look may find a jump, where the first one has found none.
+    fn may_jump(&self) -> bool {
+        self.crossing.is_silhouette()
+            && self.cell.is_looked_at_again()
+            && self.cell.moves(&self.crossing.boundary)
+    }
+
+    /// The jump of what a pair of lanes sees, times how many crossings it stands for.
+    fn jump(&self, radiance: V3<Lane>, pair: usize) -> DVec3 {
+        let [before, after] = [0, 1].map(|side| lane_of(radiance, 2 * pair + side).as_dvec3());
+        (before - after) * self.crossing.count
+    }
+}
+
+/// The directions on both sides of candidates, in pairs of lanes, and what is asked of them.
+fn beside<C: Cell>(candidates: &[Candidate<C>]) -> ([Vec3; LANES], Sides) {
+    let mut directions = [Vec3::Z; LANES];
+    let mut sides = Sides::default();
+    for (i, candidate) in candidates.iter().enumerate() {
+        let Candidate { crossing, cell, .. } = candidate;
+        for (k, s) in candidate.places_beside().into_iter().enumerate() {
+            directions[2 * i + k] = cell.direction(s).as_vec3();
+        }
+        let moves = cell.moves(&crossing.boundary);
+        sides.add(i, moves, crossing.kind == Kind::FacetEdge);
+    }
+    (directions, sides)
 }

@@ -330,6 +330,7 @@ mod tests {
         }
         let count = triangles.len();
         Geometry {
+            origin: glam::Vec3::ZERO,
             positions,
             mesh_of_triangle: vec![0; count],
             first_vertex: vec![0, (SIDE * SIDE) as u32],

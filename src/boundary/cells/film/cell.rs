@@ -47,6 +47,8 @@ pub struct FilmCell<'a> {
     /// Which random numbers probes have: those of the cell, or, in crowds, of the line. What is seen
     /// on the inner sides of a thin thing's two borders, in neighbouring cells, cancels then.
     pub numbers: u32,
+    /// Whether it lies in a crowd.
+    is_crowded: bool,
 }
 
 impl<'a> LatticeCells<'a> {
@@ -88,6 +90,7 @@ impl<'a> LatticeCells<'a> {
             triangles: [at, at + 1].map(|at| self.triangle(line, at, counts)),
             weight: 1,
             numbers: 0,
+            is_crowded: false,
         }
     }
 
@@ -163,8 +166,9 @@ impl<'a> LatticeCells<'a> {
 }
 
 impl FilmCell<'_> {
-    /// Has the random numbers of its line.
-    pub fn share_numbers(&mut self) {
+    /// Takes it for one of a crowd: it has the random numbers of its line.
+    pub fn crowd(&mut self) {
+        self.is_crowded = true;
         let [columns, rows] = self.cells.film.tile.points;
         let LatticeLine { axis, number } = self.line;
         self.numbers = (2 * columns * rows + axis * rows + number) as u32;
@@ -278,5 +282,9 @@ impl Cell for FilmCell<'_> {
 
     fn weight(&self) -> f64 {
         f64::from(self.weight)
+    }
+
+    fn is_looked_at_again(&self) -> bool {
+        self.is_crowded
     }
 }

@@ -28,7 +28,7 @@ use crate::paths::estimator::FilmTile;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::from_lanes;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 
 /// Of the cells about which all looks alike one in this many is searched and stands for all, but
@@ -44,13 +44,13 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     for candidate in &mut candidates {
         let Candidate { crossing, cell, .. } = candidate;
         if crossing.is_silhouette() && crowds.contain(cell.position(0.0), search.counts) {
-            cell.share_numbers();
+            cell.crowd();
         }
     }
     let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
     for _ in 0..ROUNDS {
         candidates = search.probe(&candidates, |group, directions, sides, counts| {
-            let index = std::array::from_fn(|l| group.get(l / 2).map_or(0, |c| c.cell.numbers));
+            let index = numbers(group);
             look(&cells, (directions, sides), &stream, &index, counts)
         });
         if candidates.is_empty() {
@@ -59,12 +59,23 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     }
     search
         .met
-        .retain(|met| film.tile.contains(met.cell.position(met.s)));
-    weights::weigh(&cells, &mut search, &skipped);
+        .retain(|met| film.tile.contains(met.at.cell.position(met.at.crossing.s)));
+    let chances = weights::chances(&cells, &mut search, &skipped);
+    let looks: Vec<u32> = search
+        .met
+        .iter()
+        .zip(&chances)
+        .map(|(met, chance)| met.at.looks(*chance))
+        .collect();
+    search.look_again(&looks, |number, group, directions, sides, counts| {
+        let index = numbers(group);
+        let stream = film.tile.stream.branch(Branch::FilmProbe, [number, 0, 0]);
+        look(&cells, (directions, sides), &stream, &index, counts)
+    });
     let LineSearch { met, counts, .. } = search;
-    for met in met {
-        let in_crowd = crowds.contain(met.cell.position(met.s), counts);
-        out.samples.extend(sample(&cells, &met, in_crowd));
+    for (met, chance) in met.iter().zip(chances) {
+        let in_crowd = crowds.contain(met.at.cell.position(met.at.crossing.s), counts);
+        out.samples.extend(sample(&cells, met, chance, in_crowd));
     }
     chain::film::find(&cells, &stream, out);
     if film.image.hidden.is_empty() {
@@ -136,6 +147,11 @@ fn searched_cells<'a>(
     (candidates, skipped)
 }
 
+/// Which random numbers the lanes have that look beside candidates.
+fn numbers(group: &[Candidate<FilmCell>]) -> [u32; LANES] {
+    std::array::from_fn(|l| group.get(l / 2).map_or(0, |c| c.cell.numbers))
+}
+
 /// The radiance along these directions.
 fn look(
     cells: &LatticeCells,
@@ -157,13 +173,22 @@ fn look(
 
 /// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density. In a
 /// crowd the speed is that of the point of the edge.
-fn sample(cells: &LatticeCells, met: &Jump<FilmCell>, in_crowd: bool) -> Option<BoundarySample> {
+fn sample(
+    cells: &LatticeCells,
+    met: &Jump<FilmCell>,
+    chance: f64,
+    in_crowd: bool,
+) -> Option<BoundarySample> {
+    if met.jump == DVec3::ZERO {
+        return None;
+    }
+    let Candidate { crossing, cell, .. } = &met.at;
     let FilmTile { view, tile, .. } = *cells.film;
-    let axis = met.cell.axis();
-    let at = met.cell.position(met.s);
+    let axis = cell.axis();
+    let at = cell.position(crossing.s);
     let origin = view.camera.origin.as_dvec3();
     let per_pixel = view.camera.direction_per_pixel();
-    let mut boundary = met.boundary;
+    let mut boundary = crossing.boundary;
     if in_crowd {
         let direction = cells.direction_at(at);
         boundary = boundary.of_point(view.geometry, origin, direction, per_pixel[1 - axis]);
@@ -171,7 +196,7 @@ fn sample(cells: &LatticeCells, met: &Jump<FilmCell>, in_crowd: bool) -> Option<
     let c = boundary.normal(view.geometry, origin);
     let gradient = per_pixel.map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
-    let weight = met.jump * (velocity * tile.step[1 - axis]);
+    let weight = met.jump * (velocity * tile.step[1 - axis] / chance);
     Some(BoundarySample {
         boundary,
         shadow: None,

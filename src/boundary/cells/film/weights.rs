@@ -10,21 +10,22 @@ use std::collections::BTreeSet;
 /// Silhouettes behind one another that are looked for in one cell.
 pub const ROUNDS: u32 = 4;
 
-/// Weighs what was met by one over the chance of meeting it. What lies in the cells in `skipped` is
-/// not among the borders yet.
-pub fn weigh<'a>(
+/// The chances of meeting what was met, which is put in order. What lies in the cells in `skipped`
+/// is not among the borders yet.
+pub fn chances<'a>(
     cells: &LatticeCells<'a>,
     search: &mut LineSearch<FilmCell<'a>>,
     skipped: &BTreeSet<(LatticeLine, i64)>,
-) {
-    let steps = |met: &Jump<FilmCell>| met.cell.coordinate(met.s);
+) -> Vec<f64> {
+    let steps = |met: &Jump<FilmCell>| met.at.coordinate();
+    let mut chances = Vec::with_capacity(search.met.len());
     let mut all = std::mem::take(&mut search.met);
     all.sort_by(|a, b| {
-        let by_line = a.cell.line().cmp(&b.cell.line());
+        let by_line = a.at.cell.line().cmp(&b.at.cell.line());
         by_line.then(steps(a).total_cmp(&steps(b)))
     });
-    for met in all.chunk_by_mut(|a, b| a.cell.line() == b.cell.line()) {
-        let line = met[0].cell.line();
+    for met in all.chunk_by(|a, b| a.at.cell.line() == b.at.cell.line()) {
+        let line = met[0].at.cell.line();
         let count = cells.film.tile.points[line.axis] as i64 - 1;
         // What is further away than a step does not matter.
         let cell_of = |met: &Jump<FilmCell>| steps(met).floor() as i64;
@@ -45,17 +46,18 @@ pub fn weigh<'a>(
             search.borders.remove(&line).unwrap_or_default(),
             Intervals::new,
         );
-        for met in met {
+        chances.extend(met.iter().map(|met| {
             let steps = steps(met);
-            met.jump /= if met.is_silhouette {
+            if met.at.crossing.is_silhouette() {
                 let first = steps.floor();
                 intervals.inclusion_of_border(steps, [first, first + 1.0])
             } else {
                 intervals.inclusion_of_ridge(steps)
-            };
-        }
+            }
+        }));
     }
     search.met = all;
+    chances
 }
 
 /// A line of the lattice, in steps from its first point.

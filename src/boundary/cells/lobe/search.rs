@@ -96,14 +96,14 @@ fn silhouettes(
     let mut intervals =
         InclusionByWalks::new(scene, &from_here, borders, |psi| line.intervals(&psi));
     for met in met {
-        let psi = met.cell.coordinate(met.s);
-        let chance = if met.is_silhouette {
-            intervals.inclusion_of_border(psi, met.cell.ends)
+        let psi = met.at.coordinate();
+        let chance = if met.at.crossing.is_silhouette() {
+            intervals.inclusion_of_border(psi, met.at.cell.ends)
         } else {
             intervals.inclusion_of_ridge(psi)
         };
         let jump = met.jump * (FAMILIES * way.weight / chance);
-        let border = Border::seen(met.boundary);
+        let border = Border::seen(met.at.crossing.boundary);
         search.push(at, line, border, line.direction(psi), jump);
     }
 }
