@@ -47,7 +47,8 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
             cell.crowd();
         }
     }
-    let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
+    let stream_of = |look: u32| film.tile.stream.branch(Branch::FilmProbe, [look, 0, 0]);
+    let stream = stream_of(0);
     for _ in 0..ROUNDS {
         candidates = search.probe(&candidates, |group, directions, sides, counts| {
             let index = numbers(group);
@@ -69,8 +70,13 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .collect();
     search.look_again(&looks, |number, group, directions, sides, counts| {
         let index = numbers(group);
-        let stream = film.tile.stream.branch(Branch::FilmProbe, [number, 0, 0]);
-        look(&cells, (directions, sides), &stream, &index, counts)
+        look(
+            &cells,
+            (directions, sides),
+            &stream_of(number),
+            &index,
+            counts,
+        )
     });
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
