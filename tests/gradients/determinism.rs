@@ -3,7 +3,9 @@
 use common::scenes::*;
 use common::{Direction, Quiet, direction, settings};
 use glam::{Vec3, Vec3A, vec3};
-use warpath::methods::{self, Image, Method, Objective, Settings};
+use warpath::methods::{
+    self, Base, EditedScene, Followers, Image, Method, Objective, Parts, Settings, Workers,
+};
 use warpath::scene::parameters::{self, Parameter};
 use warpath::scene::{DeltaLightKind, Scene, SceneDifferential, origin};
 
@@ -181,4 +183,37 @@ fn a_scene_far_away_gives_the_bytes_of_the_same_scene_nearby() {
     let near = shifted(far.clone(), -middle);
     assert_eq!(origin(&near.meshes), Vec3::ZERO);
     assert!(run(&far, 5, 2) == run(&near, 5, 2));
+}
+
+/// A gradient image after a ball has been put elsewhere, as jobs edit a scene that is loaded.
+fn edited(scene: &Scene) -> Vec<[u32; 3]> {
+    let settings = Settings {
+        threads: 1,
+        ..settings(scene, Method::Reparam, 16, 5)
+    };
+    let workers = Workers::new(1).expect("a thread");
+    let parts = Parts::new(scene, &workers, settings.backend, &|| false).expect("parts");
+    let followers = Followers::new(settings.backend);
+    let mut edited = EditedScene::new(Base {
+        scene,
+        parts: &parts,
+        followers: &followers,
+    });
+    let translation = parameters::find(scene, "ball.translation").expect("a parameter");
+    // Multiples of what single precision tells far away.
+    let set = edited.set(&translation, &[0.25, 0.125, -0.125]);
+    set.expect("a value");
+    edited.follow(1).expect("a structure");
+    let prepared = edited.prepare(&workers, &|| false).expect("a scene");
+    let direction = everything_moves(edited.scene());
+    let found = prepared.forward(&settings, &direction, &Quiet);
+    bits(&found.expect("a gradient image").gradient)
+}
+
+#[test]
+fn edits_far_away_give_the_bytes_of_edits_nearby() {
+    let far = shifted(room(), vec3(12345.0, -7000.0, 3000.0));
+    let near = shifted(far.clone(), -origin(&far.meshes));
+    assert!(edited(&far) == edited(&near));
+    assert!(edited(&near) != run(&near, 5, 1).gradient);
 }

@@ -4,7 +4,10 @@ use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
+use common::shapes::Shape;
+use common::{Quiet, direction, settings};
 use glam::{Vec3, vec3};
+use warpath::methods::{self, Method};
 use warpath::scene::Distribution::Ggx;
 
 const MOVED: (&str, &[f32]) = ("leaves.translation", &[1.0, 0.2, 0.1]);
@@ -46,4 +49,40 @@ fn lit_through_a_slit() {
         .depth(3);
     let opened: (&str, &[f32]) = ("right.translation", &[1.0, 0.0, 0.0]);
     check(&scene, &[opened], 256, Some(2e-3), Fails);
+}
+
+/// A blind of 200 slats that overlap: a shadow's end is found from all of it, slat after slat.
+#[test]
+fn lit_past_a_blind() {
+    const SLATS: u32 = 200;
+    let slat = |i: u32| {
+        let x = -0.5 + 0.005 * i as f32;
+        let corner = vec3(x, -0.6, 1.0 + 0.002 * (i % 3) as f32);
+        parallelogram(corner, Vec3::X * 0.008, Vec3::Y * 1.2)
+    };
+    let mut blind: Shape = Default::default();
+    for (positions, triangles) in (0..SLATS).map(slat) {
+        let first = blind.0.len() as u32;
+        blind.0.extend(positions);
+        blind
+            .1
+            .extend(triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let scene = scene(
+        vec3(0.3, -3.4, 0.6),
+        vec3(0.3, 0.0, 0.0),
+        30.0,
+        [12; 2],
+        GAUSSIAN,
+    )
+    .solid("floor", floor(2.0, 0.0), [0.6, 0.5, 0.4])
+    .solid("blind", blind, [0.5; 3])
+    .light("lamp", ceiling(vec3(0.0, 0.0, 2.0), 0.8), [3.0; 3])
+    .depth(2);
+    let moved = ("blind.translation", [1.0, 0.3, 0.2].as_slice());
+    check_to(0.03, &scene, &[moved], 64, Some(0.01), Fails);
+    let settings = settings(&scene, Method::Reparam, 16, 3);
+    let along = direction(&scene, &[moved]);
+    let found = methods::forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
+    assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
 }

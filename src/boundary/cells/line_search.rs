@@ -20,8 +20,8 @@ use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Looks at one crossing, at most.
-const MOST_LOOKS: u32 = 32;
+/// Looks at one crossing, at most: more are as good for specks, and cost time in hair.
+const MOST_LOOKS: u32 = 8;
 
 /// An interval of a line, or a part of one. Places on it go from 0 to 1.
 pub trait Cell: Copy {
@@ -76,7 +76,7 @@ pub struct Candidate<C> {
     beside: f64,
 }
 
-/// A crossing at which the radiance jumps.
+/// A crossing at which the radiance jumps, or may at another look.
 pub struct Jump<C> {
     pub at: Candidate<C>,
     /// Radiance before minus radiance after it, times how many crossings it stands for.

@@ -69,14 +69,8 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .map(|(met, chance)| met.at.looks(*chance))
         .collect();
     search.look_again(&looks, |number, group, directions, sides, counts| {
-        let index = numbers(group);
-        look(
-            &cells,
-            (directions, sides),
-            &stream_of(number),
-            &index,
-            counts,
-        )
+        let (index, stream) = (numbers(group), stream_of(number));
+        look(&cells, (directions, sides), &stream, &index, counts)
     });
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
