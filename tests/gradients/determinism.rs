@@ -185,7 +185,8 @@ fn a_scene_far_away_gives_the_bytes_of_the_same_scene_nearby() {
     assert!(run(&far, 5, 2) == run(&near, 5, 2));
 }
 
-/// A gradient image after a ball has been put elsewhere, as jobs edit a scene that is loaded.
+/// A gradient image after the floor has been put elsewhere, as jobs edit a scene that is loaded.
+/// The scene has another middle, then.
 fn edited(scene: &Scene) -> Vec<[u32; 3]> {
     let settings = Settings {
         threads: 1,
@@ -199,9 +200,9 @@ fn edited(scene: &Scene) -> Vec<[u32; 3]> {
         parts: &parts,
         followers: &followers,
     });
-    let translation = parameters::find(scene, "ball.translation").expect("a parameter");
+    let translation = parameters::find(scene, "floor.translation").expect("a parameter");
     // Multiples of what single precision tells far away.
-    let set = edited.set(&translation, &[0.25, 0.125, -0.125]);
+    let set = edited.set(&translation, &[0.25, 0.125, -0.25]);
     set.expect("a value");
     edited.follow(1).expect("a structure");
     let prepared = edited.prepare(&workers, &|| false).expect("a scene");

@@ -4,7 +4,7 @@ use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
-use common::shapes::Shape;
+use common::shapes::{Random, Shape, soup};
 use common::{Quiet, direction, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{self, Method};
@@ -85,4 +85,28 @@ fn lit_past_a_blind() {
     let along = direction(&scene, &[moved]);
     let found = methods::forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
     assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
+}
+
+/// Specks of a tenth of a pixel grow before a floor that is black where a light sample is hidden:
+/// what is met by a small chance is looked at again, also where the first look found nothing.
+#[test]
+fn specks_before_shadows() {
+    let (positions, triangles) = soup(&mut Random::new(11), 2000, 0.035);
+    let over_floor = |p: Vec3| p * vec3(0.4, 0.4, 0.1) + vec3(0.0, 0.0, 0.15);
+    let positions: Vec<Vec3> = positions.into_iter().map(over_floor).collect();
+    let grow = |speck: &[Vec3]| -> Vec<f32> {
+        let middle = speck.iter().sum::<Vec3>() / 3.0;
+        speck
+            .iter()
+            .flat_map(|p| ((*p - middle) * 100.0).to_array())
+            .collect()
+    };
+    let growth: Vec<f32> = positions.chunks(3).flat_map(grow).collect();
+    let scene = scene(vec3(0.0, -0.5, 4.0), Vec3::ZERO, 16.0, [8; 2], GAUSSIAN)
+        .solid("floor", floor(1.5, 0.0), [0.6, 0.5, 0.4])
+        .solid("specks", (positions, triangles), [0.0; 3])
+        .light("lamp", ceiling(vec3(1.2, 0.6, 1.5), 0.3), [9.0; 3])
+        .depth(2);
+    let moved = ("specks.vertex_positions", growth.as_slice());
+    check_to(0.03, &scene, &[moved], 256, Some(0.002), Fails);
 }
