@@ -87,8 +87,9 @@ fn lit_past_a_blind() {
     assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
 }
 
-/// Specks of a tenth of a pixel grow before a floor that is black where a light sample is hidden:
-/// what is met by a small chance is looked at again, also where the first look found nothing.
+/// Specks of a tenth of a pixel grow before a floor that half of all light samples leave black: what
+/// is met by a small chance is looked at again, also where the first look found nothing. On many
+/// lines over the lamp all points are hidden, and light passes between them.
 #[test]
 fn specks_before_shadows() {
     let (positions, triangles) = soup(&mut Random::new(11), 2000, 0.035);
@@ -101,12 +102,14 @@ fn specks_before_shadows() {
             .flat_map(|p| ((*p - middle) * 100.0).to_array())
             .collect()
     };
+    let plate = parallelogram(vec3(0.5, 0.6, 1.48), Vec3::X * 1.4, Vec3::Y);
     let growth: Vec<f32> = positions.chunks(3).flat_map(grow).collect();
     let scene = scene(vec3(0.0, -0.5, 4.0), Vec3::ZERO, 16.0, [8; 2], GAUSSIAN)
         .solid("floor", floor(1.5, 0.0), [0.6, 0.5, 0.4])
         .solid("specks", (positions, triangles), [0.0; 3])
         .light("lamp", ceiling(vec3(1.2, 0.6, 1.5), 0.3), [9.0; 3])
+        .solid("half", plate, [0.0; 3])
         .depth(2);
     let moved = ("specks.vertex_positions", growth.as_slice());
-    check_to(0.03, &scene, &[moved], 256, Some(0.002), Fails);
+    check_to(0.02, &scene, &[moved], 256, Some(0.001), Fails);
 }
