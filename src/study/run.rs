@@ -6,7 +6,7 @@ use super::journal::Journal;
 use super::measure;
 use super::reference::{self, Reference};
 use super::report::gradients;
-use super::task::Task;
+use super::task::{Task, program_hash};
 use crate::jobs::failure::Failure;
 use crate::methods::Progress;
 use crate::output::atomic;
@@ -46,10 +46,12 @@ impl Progress for Silent<'_> {
 pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Failure> {
     // All scenes before the first run: hours must not end in a typing error.
     let scenes: Vec<Scene> = plan.scenes.iter().map(load).collect::<Result<_, _>>()?;
+    let program = program_hash()?;
     let mut tasks = Vec::new();
     for (scene, of) in scenes.iter().zip(&plan.scenes) {
         for moves in &of.directions {
-            let task = Task::new(scene, plan, of, moves, options.threads, options.backend)?;
+            let (threads, backend) = (options.threads, options.backend);
+            let task = Task::new(scene, plan, of, moves, threads, backend, program)?;
             tasks.push(task);
         }
     }

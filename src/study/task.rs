@@ -26,8 +26,17 @@ pub struct Task<'a> {
     pub key: u64,
 }
 
+/// FNV-1a of the program that runs: what another one found is no reference for this one.
+pub fn program_hash() -> Result<u64, Failure> {
+    let bytes = std::env::current_exe().and_then(std::fs::read);
+    let bytes = bytes.map_err(|e| Failure::System(format!("cannot read the program: {e}")))?;
+    let mut hash = Fnv1a::default();
+    hash.write(&bytes);
+    Ok(hash.0)
+}
+
 impl<'a> Task<'a> {
-    /// Finds the parameters, and refuses what the scene has not.
+    /// Finds the parameters, and refuses what the scene has not. `program` is [`program_hash`].
     pub fn new(
         scene: &'a Scene,
         plan: &'a Plan,
@@ -35,6 +44,7 @@ impl<'a> Task<'a> {
         moves: &'a DirectionPlan,
         threads: usize,
         backend: Backend,
+        program: u64,
     ) -> Result<Self, Failure> {
         let requested = RequestedSettings {
             seed: Some(plan.seed),
@@ -57,11 +67,7 @@ impl<'a> Task<'a> {
         let size = settings::size(&settings, scene).map(|side| side as usize);
         let mut hash = Fnv1a::default();
         let mut put = |text: String| hash.write(format!("{text}\n").as_bytes());
-        put(format!(
-            "{} {:?}",
-            env!("CARGO_PKG_VERSION"),
-            plan.reference
-        ));
+        put(format!("{program} {:?}", plan.reference));
         put(format!(
             "{} {} {}",
             scene.hash, settings.seed, settings.max_depth

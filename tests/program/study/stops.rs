@@ -105,3 +105,34 @@ fn a_signal_stops_it_cleanly() {
         text(&out.stderr)
     );
 }
+
+/// A reference that another build of the program made is made again: what it computes may differ.
+#[test]
+fn another_program_makes_its_own_references() {
+    let directory = workplace();
+    let at = directory.path();
+    write_config(at);
+    let count = || std::fs::read_dir(at.join("shared")).unwrap().count();
+    let study = |program: &Path, out: &str| {
+        let line = format!("study c.toml -o {out} --references shared -q");
+        let mut command = Command::new(program);
+        let ended = command.args(typed(&line)).current_dir(at).output().unwrap();
+        assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
+    };
+    let program = Path::new(env!("CARGO_BIN_EXE_warpath"));
+    study(program, "first");
+    let made = count();
+    study(program, "second");
+    assert_eq!(count(), made);
+    // A byte after the end of a program changes nothing of what it does.
+    let other = at.join("other");
+    std::fs::copy(program, &other).unwrap();
+    let mut file = std::fs::OpenOptions::new()
+        .append(true)
+        .open(&other)
+        .unwrap();
+    std::io::Write::write_all(&mut file, &[0]).unwrap();
+    drop(file);
+    study(&other, "third");
+    assert_eq!(count(), 2 * made);
+}
