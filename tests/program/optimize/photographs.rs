@@ -96,11 +96,17 @@ fn a_position_from_a_photograph_by_both_kinds_of_cameras() {
     }
 }
 
-/// A camera that stands elsewhere sees another picture than the photograph.
+/// A camera that stands elsewhere sees another picture than the photograph, in whatever format that
+/// is: sRGB of 8 bits, with JPEG's losses or without, or linear.
 #[test]
 fn the_photograph_is_what_its_camera_sees() {
     let directory = studio();
     let at = directory.path();
+    let photograph = at.join("photo/image.jpg");
+    let file = std::fs::File::create(photograph).unwrap();
+    let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, 98);
+    let png = image::open(at.join("photo/image.png")).unwrap();
+    png.to_rgb8().write_with_encoder(encoder).unwrap();
     let still = [
         "--set",
         "steps=1",
@@ -109,23 +115,24 @@ fn the_photograph_is_what_its_camera_sees() {
         "--set",
         "parameters.\"card.translation\".start=[0, 0, 0]",
     ];
-    let mut losses = Vec::new();
-    for [quaternion, position] in [
-        ["0 1 0 0", "0 0 4"],
-        ["0 1 0 0", "0.05 0 4"],
-        ["0 1 0.02 0", "0 0 4"],
-    ] {
-        let line = format!("1 {quaternion} {position} 1 image.png\n\n");
+    let loss_of = |name: &str, pose: &str| {
+        let line = format!("1 {pose} 1 {name}\n\n");
         std::fs::write(at.join("images.txt"), line).unwrap();
         let (code, said) = run(at, BY_COLMAP, &still);
         assert_eq!(code, Some(0), "{said}");
         let first = report(at)["first"].clone();
-        let [loss, error] = ["loss", "error"].map(|name| first[name].as_f64().unwrap());
-        losses.push((loss, error));
-    }
-    let (own, error) = losses[0];
-    for (other, other_error) in &losses[1..] {
-        assert!(other - own > 4.0 * error.hypot(*other_error), "{losses:?}");
+        ["loss", "error"].map(|name| first[name].as_f64().unwrap())
+    };
+    let names = ["image.png", "image.jpg", "image.exr"];
+    // A format that were misread would have a loss of its own where it was taken, too.
+    let own = names.map(|name| loss_of(name, "0 1 0 0 0 0 4"));
+    for elsewhere in ["0 1 0 0 0.05 0 4", "0 1 0.02 0 0 0 4"] {
+        for [other, other_error] in names.map(|name| loss_of(name, elsewhere)) {
+            for [own, error] in own {
+                let sigma = error.hypot(other_error);
+                assert!(other - own > 4.0 * sigma, "{own}, {other} ± {sigma}");
+            }
+        }
     }
 }
 
