@@ -290,8 +290,8 @@ fn variance(found: &ForwardGradient) -> f64 {
 /// battery (`docs/method.md`, 14).
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
-        (Contender::Differences, "camera") => 0.05,
-        (Contender::Differences, _) => 0.1,
+        (Contender::Differences, "camera") => 0.036,
+        (Contender::Differences, _) => 0.07,
         (Contender::Mixture(_), "camera") => 0.08,
         (Contender::Mixture(_), "shadow") => 0.3,
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,
