@@ -3,6 +3,10 @@
 //! Both find the whole of each integral's boundary term, so any mixture of them is right. Which has
 //! the least noise depends on the scene (`docs/method.md`, 14). Over lights and environment maps it
 //! is always the cells.
+//!
+//! Seen from a point that rests only the edges of what moves do. Where these are few, as those of a
+//! lamp over a meadow, it is better to draw them than to look for them among all that rests; and
+//! nothing that rests has to have edges that can be drawn.
 
 use super::cells::Cells;
 use super::edges::Edges;
@@ -39,6 +43,8 @@ pub enum OnFilm {
 pub enum OverLobes {
     #[default]
     Cells,
+    /// Edges from points that rest, and cells from those that move.
+    EdgesFromRest,
     Edges,
 }
 
@@ -51,9 +57,13 @@ pub struct Mixed<'a> {
 
 impl<'a> Mixed<'a> {
     pub fn new(mixture: Mixture, adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        let cells = match mixture.lobes {
+            OverLobes::EdgesFromRest => Cells::from_moving_points(adjacency, moving),
+            OverLobes::Cells | OverLobes::Edges => Cells::new(adjacency, moving),
+        };
         Self {
             mixture,
-            cells: Cells::new(adjacency, moving),
+            cells,
             edges: Edges::new(adjacency, moving),
         }
     }
@@ -84,7 +94,7 @@ impl BoundaryEstimator for Mixed<'_> {
 
     fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {
         match self.mixture.lobes {
-            OverLobes::Cells => self.cells.lobe_drift(view),
+            OverLobes::Cells | OverLobes::EdgesFromRest => self.cells.lobe_drift(view),
             OverLobes::Edges => None,
         }
     }
@@ -105,6 +115,11 @@ impl BoundaryEstimator for Mixed<'_> {
         match self.mixture.lobes {
             OverLobes::Cells => self.cells.lobe(at, bounce, out),
             OverLobes::Edges => self.edges.lobe(at, bounce, out),
+            OverLobes::EdgesFromRest => {
+                let moves = at.vertices.moves;
+                self.cells.lobes_of(moves, at, bounce, out);
+                self.edges.lobes_of(!moves, at, out);
+            }
         }
     }
 }

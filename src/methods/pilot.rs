@@ -101,20 +101,33 @@ impl Prepared<'_> {
             }
             tried => tried?,
         }
-        let (drifts, has_edges) = possible(self, &settings, direction)?;
+        let Possible {
+            drifts,
+            edges,
+            edges_from_rest,
+        } = possible(self, &settings, direction)?;
         let looks_over_lobes = trials.done[0].rays.contains_key("bounce_cell");
-        for (film, is_possible) in [(OnFilm::Resting, drifts), (OnFilm::Edges, has_edges)] {
+        let on_film = [
+            (OnFilm::Resting, drifts),
+            (OnFilm::Edges, edges || edges_from_rest),
+        ];
+        for (film, is_possible) in on_film {
             if is_possible {
                 trials.run(Contender::Mixture(Mixture { film, ..usual }))?;
             }
         }
-        if has_edges && looks_over_lobes {
-            let film = match trials.best() {
-                Contender::Mixture(best) => best.film,
-                Contender::Differences => usual.film,
-            };
-            let lobes = OverLobes::Edges;
-            trials.run(Contender::Mixture(Mixture { film, lobes }))?;
+        let film = match trials.best() {
+            Contender::Mixture(best) => best.film,
+            Contender::Differences => usual.film,
+        };
+        let over_lobes = [
+            (OverLobes::EdgesFromRest, edges_from_rest),
+            (OverLobes::Edges, edges),
+        ];
+        for (lobes, is_possible) in over_lobes {
+            if is_possible && looks_over_lobes {
+                trials.run(Contender::Mixture(Mixture { film, lobes }))?;
+            }
         }
         if has_differences {
             trials.run(Contender::Differences)?;
@@ -177,12 +190,21 @@ fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<Settings, Engine
     Ok(own)
 }
 
-/// Whether the film would drift, and whether drawn edges would find all that moves.
+/// What is worth a try.
+struct Possible {
+    /// Whether the film would drift.
+    drifts: bool,
+    /// Whether drawn edges would find all that moves.
+    edges: bool,
+    /// Whether they would from points that rest, if the camera is one.
+    edges_from_rest: bool,
+}
+
 fn possible(
     prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
-) -> Result<(bool, bool), EngineError> {
+) -> Result<Possible, EngineError> {
     let tangent = parameters::tangent(prepared.scene, direction, settings.sensor)?;
     let boundary = Method::Auto.boundary();
     let mut stage = Stage::new(prepared, settings, boundary, &mut Statistics::default())?;
@@ -190,10 +212,14 @@ fn possible(
     let sensor = &prepared.scene.sensors[settings.sensor];
     let is_allowed =
         super::refusals::check(prepared.scene, &tangent, sensor, Method::Edges).is_ok();
-    let has_edges = is_allowed && stage.check_geometry(Method::Edges).is_ok();
     let view = stage.view();
-    let drifts = stage.drift(&view, &*stage.estimator()).is_some();
-    Ok((drifts, has_edges))
+    Ok(Possible {
+        drifts: stage.drift(&view, &*stage.estimator()).is_some(),
+        edges: is_allowed && stage.check_geometry(Method::Edges).is_ok(),
+        edges_from_rest: is_allowed
+            && stage.camera_rests()
+            && stage.check_geometry_from_rest(Method::Edges).is_ok(),
+    })
 }
 
 /// What has been tried.
@@ -297,10 +323,8 @@ fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,
         (Contender::Mixture(_), "light_cell" | "bounce_cell") => 0.03,
         // Edges that are drawn have to be found first.
-        (Contender::Mixture(Mixture { film, lobes }), _) => {
-            let drawn = [film == OnFilm::Edges, lobes == OverLobes::Edges];
-            0.3 + 0.25 * drawn.into_iter().filter(|d| *d).count() as f64
-        }
+        (Contender::Mixture(_), "edge") => 1.2,
+        (Contender::Mixture(_), _) => 0.3,
     };
     rays.iter().map(|(kind, n)| cost(kind) * *n as f64).sum()
 }

@@ -87,16 +87,18 @@ pub fn check(
 }
 
 /// Refuses scenes with jumps that meshes alone do not tell of, if the method does not find them.
+/// They matter on the meshes that `move`: on all, where what is seen from points that move counts.
 pub fn check_geometry(
     view: &SceneView,
     adjacency: &Adjacency,
     method: Method,
+    moves: &(dyn Fn(usize) -> bool + Sync),
 ) -> Result<(), EngineError> {
     let geometry = view.geometry;
     let id = |mesh: usize| &view.scene.meshes[mesh].id;
     let has_rulings = |mesh: &usize| {
         let pattern = &geometry.patterns[*mesh];
-        pattern.as_ref().is_some_and(|p| !p.rulings.is_empty())
+        moves(*mesh) && pattern.as_ref().is_some_and(|p| !p.rulings.is_empty())
     };
     if method.misses(Discontinuity::TextureEdge)
         && let Some(mesh) = (0..geometry.patterns.len()).find(has_rulings)
@@ -109,7 +111,7 @@ pub fn check_geometry(
         )));
     }
     if method.misses(Discontinuity::Intersection)
-        && let Some([one, other]) = intersections::find(view, adjacency)
+        && let Some([one, other]) = intersections::find(view, adjacency, moves)
     {
         let what = if one == other {
             format!("{} passes through itself", id(one))

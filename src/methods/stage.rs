@@ -142,12 +142,30 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Whether what the camera sees moves only if it does so itself.
+    pub fn camera_rests(&self) -> bool {
+        self.moving.camera_lanes() == 0
+    }
+
     /// Refuses what the method would not find in the geometry, where boundary terms are asked for.
     pub fn check_geometry(&self, method: Method) -> Result<(), EngineError> {
+        self.check_meshes(method, &|_| true)
+    }
+
+    /// The same of what is seen from points that rest.
+    pub fn check_geometry_from_rest(&self, method: Method) -> Result<(), EngineError> {
+        self.check_meshes(method, &|mesh| self.moving.moves_mesh(mesh))
+    }
+
+    fn check_meshes(
+        &self,
+        method: Method,
+        moves: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<(), EngineError> {
         match (self.boundary, self.parts.adjacency.get()) {
             (Some(_), Some(adjacency)) => {
                 let view = self.view();
-                let check = || refusals::check_geometry(&view, adjacency, method);
+                let check = || refusals::check_geometry(&view, adjacency, method, moves);
                 self.workers.pool.install(check)
             }
             _ => Ok(()),

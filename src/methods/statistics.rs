@@ -146,6 +146,7 @@ impl Statistics {
             ("light_cell", counts.light_cell),
             ("bounce_cell", counts.bounce_cell),
             ("sky_cell", counts.environment_cell),
+            ("edge", counts.edge),
             ("probe", counts.probe),
         ];
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {

@@ -12,6 +12,8 @@ pub struct Counts {
     pub bounce_cell: u64,
     /// Rays to the environment map: they only find silhouettes.
     pub environment_cell: u64,
+    /// Rays to points that were drawn on edges: they only find silhouettes.
+    pub edge: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
     /// Cells between whose ends a silhouette was found.
@@ -35,6 +37,7 @@ impl Counts {
             + self.light_cell
             + self.bounce_cell
             + self.environment_cell
+            + self.edge
             + self.probe
     }
 }
@@ -47,6 +50,7 @@ impl std::ops::AddAssign for Counts {
         self.light_cell += o.light_cell;
         self.bounce_cell += o.bounce_cell;
         self.environment_cell += o.environment_cell;
+        self.edge += o.edge;
         self.probe += o.probe;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;

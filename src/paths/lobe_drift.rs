@@ -37,6 +37,7 @@ const HORIZON: f64 = 0.05;
 #[derive(Clone, Debug)]
 pub struct LobeDrift {
     pub bodies: Vec<Body>,
+    /// Whether a body moves that points which rest follow.
     any_moves: bool,
     /// Whether a mesh is of so many pieces that most lines see several.
     pub has_crowd: bool,
@@ -87,6 +88,14 @@ impl LobeDrift {
         })
     }
 
+    /// The same for points that move only.
+    pub fn from_moving_points(self) -> Self {
+        Self {
+            any_moves: false,
+            ..self
+        }
+    }
+
     /// The lanes whose triangle belongs to a mesh over whose lobes directions rest: diffuse ones,
     /// and those of rough metal and glass.
     pub fn resting_lanes(&self, geometry: &Geometry, triangles: &[u32; LANES]) -> [u32; 2] {
@@ -102,7 +111,7 @@ impl LobeDrift {
         lanes
     }
 
-    /// Whether any body moves.
+    /// Whether directions from points that rest may drift.
     pub fn any_moves(&self) -> bool {
         self.any_moves
     }

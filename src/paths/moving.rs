@@ -115,7 +115,12 @@ impl Moving {
     /// Whether a vertex moves as seen from what rests.
     pub(crate) fn vertex(&self, geometry: &Geometry, vertex: u32) -> bool {
         let of = |v: u32| geometry.first_vertex.partition_point(|&first| first <= v) - 1;
-        self.everything || self.mesh[of(vertex)]
+        self.moves_mesh(of(vertex))
+    }
+
+    /// Whether a mesh does.
+    pub(crate) fn moves_mesh(&self, mesh: usize) -> bool {
+        self.everything || self.mesh[mesh]
     }
 
     /// Whether a boundary does.

@@ -1,18 +1,19 @@
 //! `auto`: what its pilot may come to is right, and it comes to the same every time.
 
 use common::comparison::*;
+use common::materials::*;
 use common::scenes::*;
-use common::shapes::Random;
+use common::shapes::{Random, soup};
 use common::transposition::{
     all_parameters, both_sides_by, difference, prepared, random_values, random_weight,
 };
 use common::{Direction, Quiet, direction, flat, gradient, settings};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, vec3};
 use warpath::methods::{
     Constants, Method, Mixture, OnFilm, OverLobes, Pilot, Prepared, Question, Settings, decide,
     forward,
 };
-use warpath::scene::{Lens, Scene, load};
+use warpath::scene::{Distribution, Lens, Scene, load};
 use warpath::statistics::agreement::Agreement;
 
 /// Independent runs of each.
@@ -26,6 +27,11 @@ fn mixtures() -> impl Iterator<Item = Mixture> {
     let of_film = |film| [OverLobes::Cells, OverLobes::Edges].map(|lobes| Mixture { film, lobes });
     films.into_iter().flat_map(of_film).skip(1)
 }
+
+const FROM_REST: Mixture = Mixture {
+    film: OnFilm::Drifting,
+    lobes: OverLobes::EdgesFromRest,
+};
 
 fn by(scene: &Scene, mixture: Mixture, spp: u32, seed: u64) -> Settings {
     Settings {
@@ -80,6 +86,79 @@ fn forward_and_backward_are_transposed() {
             "{mixture:?}: nothing was differentiated"
         );
     }
+}
+
+/// A metal floor that shows a lamp between leaves that rest and pass through each other, and a block
+/// on which light falls that comes from it.
+fn lamp_behind_leaves() -> Scene {
+    let below = |p: Vec3| p * vec3(0.5, 0.5, 0.2) + vec3(0.0, 0.3, 1.6);
+    let (positions, triangles) = soup(&mut Random::new(5), 40, 0.35);
+    let leaves = (positions.into_iter().map(below).collect(), triangles);
+    lit(close_up())
+        .solid("leaves", leaves, [0.2, 0.6, 0.1])
+        .metal("floor", 0.1, Distribution::Ggx)
+        .constant_environment([0.3, 0.4, 0.5])
+        .depth(4)
+}
+
+/// By the motion of a lamp and of a block: edges are drawn for the floor and the leaves, and cells
+/// are searched for what the block sees.
+#[test]
+fn edges_from_rest_are_right_among_things_that_intersect() {
+    let scene = lamp_behind_leaves();
+    let along = direction(
+        &scene,
+        &[
+            ("lamp.translation", &[0.6, 0.4, 0.3]),
+            ("block.translation", &[0.2, 0.3, 0.1]),
+        ],
+    );
+    let runs = |own: &dyn Fn(u64) -> Settings, first: u64| -> Vec<Vec<f64>> {
+        let seeds = first..first + RUNS;
+        seeds
+            .map(|seed| gradient(&scene, &own(seed), &along))
+            .collect()
+    };
+    let usual = runs(&|seed| settings(&scene, Method::Reparam, 256, seed), 1);
+    let own = runs(&|seed| by(&scene, FROM_REST, 256, seed), 1000);
+    let agreement = Agreement::new(&own, &usual);
+    println!("{agreement:.4?}");
+    assert!(agreement.bias.error < 0.05, "{agreement:.4?}");
+    assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
+
+    // No other edges may be drawn here, and the pilot tries these.
+    let edges = forward(
+        &scene,
+        &settings(&scene, Method::Edges, 4, 1),
+        &along,
+        &Quiet,
+    );
+    assert!(edges.is_err());
+    let question = Question::Forward(&along);
+    let asked = settings(&scene, Method::Auto, 16, 1);
+    let (_, pilot) = decide(&scene, &asked, &question, &Quiet).expect("a decision");
+    let ways: Vec<&str> = pilot.trials.iter().map(|t| t.way.as_str()).collect();
+    let tried = |what: &str| ways.iter().any(|way| way.contains(what));
+    assert!(
+        tried("points at rest") && !tried("edges over lobes,"),
+        "{ways:?}"
+    );
+}
+
+#[test]
+fn edges_from_rest_are_transposed() {
+    let scene = lamp_behind_leaves();
+    let mut random = Random::new(4);
+    let moved = all_parameters(&scene).into_iter();
+    let along: Direction = moved
+        .filter(|p| p.key.starts_with("lamp") || p.key.starts_with("block"))
+        .map(|p| (p.clone(), random_values(&mut random, p.len())))
+        .collect();
+    let weight = random_weight(&mut random, &scene);
+    let prepared = prepared(&scene);
+    let sides = both_sides_by(&prepared, &along, &weight, by(&scene, FROM_REST, 32, 4));
+    assert_eq!(difference("from rest", &sides), None);
+    assert!(sides.allowed > 0.0, "nothing was differentiated");
 }
 
 /// A ball before the sky, which its own lobes see nothing but.

@@ -17,7 +17,7 @@ type Rays = BTreeMap<&'static str, u64>;
 const SPP: u32 = 16;
 
 /// Rays that only look for silhouettes.
-const SEARCHING: [&str; 4] = ["light_cell", "bounce_cell", "sky_cell", "probe"];
+const SEARCHING: [&str; 5] = ["light_cell", "bounce_cell", "sky_cell", "edge", "probe"];
 
 /// A block over a floor, and one behind the camera that nothing sees and that throws no shadow
 /// anywhere.

@@ -28,6 +28,8 @@ pub struct Cells<'a> {
     /// What moves, of what there are boundaries.
     moving: &'a Moving,
     pieces: OnceLock<Pieces>,
+    /// Whether directions drift also from points that rest.
+    drifts_from_rest: bool,
     lobe_drift: OnceLock<Option<LobeDrift>>,
 }
 
@@ -37,7 +39,23 @@ impl<'a> Cells<'a> {
             adjacency,
             moving,
             pieces: OnceLock::new(),
+            drifts_from_rest: true,
             lobe_drift: OnceLock::new(),
+        }
+    }
+
+    /// The same for lobes of points that move only.
+    pub fn from_moving_points(adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        Self {
+            drifts_from_rest: false,
+            ..Self::new(adjacency, moving)
+        }
+    }
+
+    /// What jumps over the lobes of some lanes.
+    pub fn lobes_of(&self, lanes: u32, at: &At, bounce: &Bounce, out: &mut Found) {
+        if lanes & at.vertices.hit != 0 {
+            lobe::packet::find(&self.scene(at.view), at, (bounce, lanes), out);
         }
     }
 
@@ -66,7 +84,14 @@ impl BoundaryEstimator for Cells<'_> {
     }
 
     fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {
-        let make = || lobe::drift::find(&self.scene(view));
+        let make = || {
+            let drift = lobe::drift::find(&self.scene(view))?;
+            Some(if self.drifts_from_rest {
+                drift
+            } else {
+                drift.from_moving_points()
+            })
+        };
         self.lobe_drift.get_or_init(make).as_ref()
     }
 
@@ -83,6 +108,6 @@ impl BoundaryEstimator for Cells<'_> {
     }
 
     fn lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
-        lobe::packet::find(&self.scene(at.view), at, bounce, out);
+        self.lobes_of(u32::MAX, at, bounce, out);
     }
 }

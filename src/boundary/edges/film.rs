@@ -192,7 +192,7 @@ fn visible(film: &FilmTile, points: &[FilmPoint], out: &mut Found) -> u32 {
     });
     let active = u32::MAX >> (32 - points.len());
     let rays = camera.rays(from_lanes(&directions.map(|d| d.as_vec3())), active);
-    out.counts.probe += points.len() as u64;
+    out.counts.edge += points.len() as u64;
     let seen = view.intersect(&rays, Coherence::Incoherent);
     let is_before = |lane: usize| {
         if is_at(view.geometry, &points[lane].boundary, seen[lane]) {

@@ -18,11 +18,32 @@ const IN_PLANE: f64 = 2e-5;
 /// Triangles around an edge's own ends that are passed on the way.
 const MOST_PASSED: usize = 16;
 
-/// Two meshes that pass through each other, or one that passes through itself, twice; `None` if there
-/// are none.
-pub fn find(view: &SceneView, adjacency: &Adjacency) -> Option<[usize; 2]> {
+/// Two meshes that pass through each other, or one that passes through itself, twice, of which
+/// either `counts`; `None` if there are none.
+pub fn find(
+    view: &SceneView,
+    adjacency: &Adjacency,
+    counts: impl Fn(usize) -> bool + Sync,
+) -> Option<[usize; 2]> {
     let triangles = 0..view.geometry.triangles.len() as u32;
+    let mesh = |triangle: u32| view.geometry.mesh_of_triangle[triangle as usize] as usize;
+    let boxes: Vec<[Vec3; 2]> = (0..view.geometry.smooth.len())
+        .filter(|&m| counts(m))
+        .map(|m| {
+            let [first, end] = [m, m + 1].map(|m| view.geometry.first_vertex[m] as usize);
+            around(&view.geometry.positions[first..end])
+        })
+        .collect();
+    let may_count = |triangle: u32| {
+        let corners = view.geometry.triangles[triangle as usize];
+        let own = around(&corners.map(|v| view.geometry.positions[v as usize]));
+        let meets = |[low, high]: &[Vec3; 2]| own[0].cmple(*high).all() && low.cmple(own[1]).all();
+        boxes.iter().any(meets)
+    };
     let crossed = triangles.into_par_iter().find_map_first(|triangle| {
+        if !may_count(triangle) {
+            return None;
+        }
         (0..3).find_map(|corner| {
             let across = adjacency.across(triangle, corner);
             // The other triangle at the edge asks.
@@ -30,15 +51,28 @@ pub fn find(view: &SceneView, adjacency: &Adjacency) -> Option<[usize; 2]> {
             if is_asked {
                 return None;
             }
-            let other = crossed(view, triangle, corner)?;
+            let counts = |other: u32| counts(mesh(triangle)) || counts(mesh(other));
+            let other = crossed(view, triangle, corner, &counts)?;
             Some([triangle, other])
         })
     });
-    crossed.map(|both| both.map(|t| view.geometry.mesh_of_triangle[t as usize] as usize))
+    crossed.map(|both| both.map(mesh))
 }
 
-/// The triangle that an edge goes through.
-fn crossed(view: &SceneView, triangle: u32, corner: usize) -> Option<u32> {
+/// The box around points.
+fn around(points: &[Vec3]) -> [Vec3; 2] {
+    let all = points.iter().copied();
+    let low = all.clone().fold(Vec3::INFINITY, Vec3::min);
+    [low, all.fold(Vec3::NEG_INFINITY, Vec3::max)]
+}
+
+/// A triangle that an edge goes through, and that counts.
+fn crossed(
+    view: &SceneView,
+    triangle: u32,
+    corner: usize,
+    counts: &impl Fn(u32) -> bool,
+) -> Option<u32> {
     let geometry = view.geometry;
     let position = |v: u32| geometry.positions[v as usize];
     let vertices = geometry.triangles[triangle as usize];
@@ -65,7 +99,8 @@ fn crossed(view: &SceneView, triangle: u32, corner: usize) -> Option<u32> {
         let sides = [[p, q], [q, r], [r, p]];
         let inside = sides.map(|[v, w]| (w - v).normalize_or_zero().cross(point - v).dot(normal));
         let at_rim = inside.into_iter().fold(f64::INFINITY, f64::min) < IN_PLANE * room;
-        if !in_plane && !is_neighbour && !at_rim && normal != DVec3::ZERO {
+        let is_through = !in_plane && !is_neighbour && !at_rim && normal != DVec3::ZERO;
+        if is_through && counts(hit) {
             return Some(hit);
         }
         near = if at.is_finite() { at.max(near) } else { near } + TOUCHES;

@@ -16,8 +16,8 @@ use crate::paths::dimensions::{Branch, Single};
 use crate::paths::integrator::Start;
 use crate::paths::rays::{from_lanes, lane_of};
 
-/// Finds what jumps over the lobes that paths were drawn from.
-pub fn find(edges: &Edges, scene: &SearchScene, at: &At, out: &mut Found) {
+/// Finds what jumps over the lobes that paths of some lanes were drawn from.
+pub fn find(edges: &Edges, scene: &SearchScene, (at, lanes): (&At, u32), out: &mut Found) {
     let At {
         view,
         vertices,
@@ -30,7 +30,8 @@ pub fn find(edges: &Edges, scene: &SearchScene, at: &At, out: &mut Found) {
     let looks = vertices.line_survival.to_array();
     let mut lobes: [Option<Lobe>; LANES] = [None; LANES];
     let mut narrow = 0u32;
-    for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
+    let wanted = |&l: &usize| lanes >> l & 1 == 1 && looks[l] > 0.0;
+    for lane in (0..LANES).filter(wanted) {
         let Some(lobe) = Lobe::of_lane(vertices, lane) else {
             continue;
         };
@@ -45,13 +46,27 @@ pub fn find(edges: &Edges, scene: &SearchScene, at: &At, out: &mut Found) {
         let surface = LaneSurface::new(at, lane, lobes[lane]?);
         Some(directions(at, &surface))
     };
-    let points = edges.draw(
-        at,
-        Single::LobeEdgePoint,
-        vertices.moves,
-        directions,
-        &mut out.counts,
-    );
+    let draws = edges.draws(view, vertices.moves, narrow);
+    for part in 0..draws.into_iter().max().unwrap_or(1) {
+        let points = edges.draw_part(
+            at,
+            (Single::LobeEdgePoint, draws, part),
+            vertices.moves,
+            directions,
+            &mut out.counts,
+        );
+        keep(scene, at, (&lobes, narrow), points, out);
+    }
+}
+
+/// Looks at what was drawn, and keeps what jumps.
+fn keep(
+    scene: &SearchScene,
+    at: &At,
+    (lobes, narrow): (&[Option<Lobe>; LANES], u32),
+    points: EdgePoints,
+    out: &mut Found,
+) {
     for lanes in [narrow, !narrow] {
         let mut own: EdgePoints = points;
         for (lane, point) in own.iter_mut().enumerate() {

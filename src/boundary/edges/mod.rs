@@ -48,6 +48,13 @@ impl BoundaryEstimator for Edges<'_> {
     }
 
     fn lobe(&self, at: &At, _: &Bounce, out: &mut Found) {
-        lobe::find(self, &self.scene(at.view), at, out);
+        self.lobes_of(u32::MAX, at, out);
+    }
+}
+
+impl Edges<'_> {
+    /// What jumps over the lobes of some lanes.
+    pub fn lobes_of(&self, lanes: u32, at: &At, out: &mut Found) {
+        lobe::find(self, &self.scene(at.view), (at, lanes), out);
     }
 }

@@ -10,7 +10,11 @@ use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::rays::from_lanes;
+use crate::paths::scene_view::SceneView;
 use glam::Vec3;
+
+/// So many edges are drawn at once at most.
+const MOST_DRAWS: u32 = 4;
 
 /// A point in each lane that sees one.
 pub type EdgePoints = [Option<EdgePoint>; LANES];
@@ -26,9 +30,38 @@ impl Edges<'_> {
         directions: impl Fn(usize) -> Option<Directions>,
         counts: &mut Counts,
     ) -> EdgePoints {
+        self.draw_part(at, (user, [1; LANES], 0), moves, directions, counts)
+    }
+
+    /// How many edges are worth drawing at once in lanes that see lights: as many as there are, if
+    /// these are few. A lamp's edges on one side and on the other bring nearly the opposite.
+    pub(super) fn draws(&self, view: &SceneView, moves: u32, sees_lights: u32) -> [u32; LANES] {
+        std::array::from_fn(|lane| match sees_lights >> lane & 1 {
+            0 => 1,
+            _ => {
+                let set = self.set(view, moves >> lane & 1 == 1);
+                set.map_or(1, |set| set.edges.edges.len() as u32)
+                    .min(MOST_DRAWS)
+            }
+        })
+    }
+
+    /// Of so many edges drawn in each lane, each from its share of the numbers, the one with this
+    /// number.
+    pub(super) fn draw_part(
+        &self,
+        at: &At,
+        (user, draws, part): (Single, [u32; LANES], u32),
+        moves: u32,
+        directions: impl Fn(usize) -> Option<Directions>,
+        counts: &mut Counts,
+    ) -> EdgePoints {
         let view = at.view;
         let numbers = &at.numbers;
         let mut points: EdgePoints = std::array::from_fn(|lane| {
+            if part >= draws[lane] {
+                return None;
+            }
             let directions = directions(lane)?;
             let set = self.set(view, moves >> lane & 1 == 1)?;
             let number = |of| {
@@ -36,7 +69,14 @@ impl Edges<'_> {
                 f64::from(numbers.stream.single(user, name))
             };
             let point = SurfacePoint::of_lane(at, lane);
-            EdgePoint::draw(set, view.geometry, &directions, &point, [0, 1].map(number))
+            let [which, along] = [0, 1].map(number);
+            let share = 1.0 / f64::from(draws[lane]);
+            let numbers = [(f64::from(part) + which) * share, along];
+            let drawn = EdgePoint::draw(set, view.geometry, &directions, &point, numbers)?;
+            Some(EdgePoint {
+                per_side: drawn.per_side * share,
+                ..drawn
+            })
         });
         let mut ends = [Vec3::ZERO; LANES];
         let mut active = 0;
@@ -50,7 +90,7 @@ impl Edges<'_> {
         }
         let surface = at.surface;
         let rays = view.toward(surface.x, surface.geometric, from_lanes(&ends), active);
-        let seen = view.unoccluded(&rays, &mut counts.probe);
+        let seen = view.unoccluded(&rays, &mut counts.edge);
         for (lane, point) in points.iter_mut().enumerate() {
             if seen >> lane & 1 == 0 {
                 *point = None;

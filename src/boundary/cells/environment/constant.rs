@@ -19,7 +19,7 @@ pub fn find(search: &mut LobeSearch, free: u32) {
     };
     let scene = search.scene.view.scene;
     let radiance = Vec3::from(scene.constant(environment.radiance)).as_dvec3();
-    let active = search.bounce.rays.active;
+    let active = search.bounce.rays.active & search.lanes;
     let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
         if active >> lane & 1 == 0 {
             return None;

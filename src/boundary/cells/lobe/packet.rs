@@ -22,9 +22,9 @@ const WIDE_RAD: f64 = 0.04;
 /// So many lanes of a packet and a mesh look, where crowds are.
 const IN_CROWDS: u32 = 2;
 
-/// Finds what jumps on a line through the lobes of a packet's vertices. One of the two families is
+/// Finds what jumps on a line through the lobes of some lanes' vertices. One of the two families is
 /// drawn for all lanes.
-pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
+pub fn find(scene: &SearchScene, at: &At, (bounce, lanes): (&Bounce, u32), out: &mut Found) {
     let (view, numbers) = (scene.view, &at.numbers);
     let (jitter, _) = numbers.pair(Pair::LobeLine);
     let name = [numbers.index[0], numbers.depth, 0];
@@ -34,6 +34,7 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
         scene,
         at,
         bounce,
+        lanes,
         axis: (family * FAMILIES as f32) as usize,
         jitter: jitter.to_array(),
         at_last,
@@ -60,17 +61,18 @@ pub fn find(scene: &SearchScene, at: &At, bounce: &Bounce, out: &mut Found) {
 
 /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all.
 /// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they are
-/// not that narrow, one may be near though they do not: all its lanes look for it. Where directions
-/// rest, what rests brings nothing over the lobe, and one lane is enough: inside of a scanned animal
-/// of rough glass all had two and a half times the variance in equal time. In crowds surfaces differ
-/// in what they see and a line meets much: there two of each mesh look.
+/// not that narrow, one may be near though they do not: all its lanes look for it. Where surfaces move
+/// and directions rest, what rests brings nothing over the lobe, and one lane is enough: inside of a
+/// scanned animal of rough glass all had two and a half times the variance in equal time. In crowds
+/// surfaces differ in what they see and a line meets much: there two of each mesh look.
 fn among_surfaces(search: &mut LobeSearch) {
     let At { vertices, .. } = *search.at;
     let environment = &search.scene.view.scene.environment;
     let has_constant_environment = environment.as_ref().is_some_and(|e| e.map.is_none());
     let [mut narrow, mut others] = [0u32; 2];
     let looks = vertices.line_survival.to_array();
-    for lane in (0..LANES).filter(|&l| looks[l] > 0.0) {
+    let wanted = |&l: &usize| search.lanes >> l & 1 == 1 && looks[l] > 0.0;
+    for lane in (0..LANES).filter(wanted) {
         match Lobe::of_lane(vertices, lane) {
             None => {}
             Some(_) if is_narrow(search, lane) => narrow |= 1 << lane,
@@ -80,7 +82,7 @@ fn among_surfaces(search: &mut LobeSearch) {
         }
     }
     let all = narrow != 0
-        && narrow & vertices.rests == 0
+        && narrow & vertices.rests & vertices.moves == 0
         && (is_wide(search, narrow) || sees_several(search, narrow & search.bounce.rays.active));
     let some = if all { LANES as u32 } else { 1 };
     lines_of_some(search, narrow, some, 0);

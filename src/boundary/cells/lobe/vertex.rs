@@ -26,6 +26,8 @@ pub struct LobeSearch<'a> {
     pub scene: &'a SearchScene<'a>,
     pub at: &'a At<'a>,
     pub bounce: &'a Bounce<'a>,
+    /// The lanes that look.
+    pub lanes: u32,
     /// The family of lines that was drawn.
     pub axis: usize,
     pub jitter: [f32; LANES],
