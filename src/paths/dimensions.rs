@@ -84,6 +84,8 @@ pub enum Single {
     LobeEdgePoint,
     /// The same of edges before a light.
     LightEdgePoint,
+    /// Whether a vertex looks for borders: index, depth, over what.
+    Looks,
     /// The same of edges before the environment map.
     MapEdgePoint,
     /// Which of the materials that a surface is made of a path meets: index, depth.

@@ -1,6 +1,7 @@
 //! Our own estimator: the domain of each integral is cut into cells by lines, and what jumps is
 //! found between their ends.
 
+mod bright;
 mod chain;
 mod delta;
 pub mod environment;

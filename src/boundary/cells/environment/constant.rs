@@ -2,6 +2,7 @@
 //! that matters on a line is where it is hidden, so that its points are occlusion queries and all
 //! lanes of a packet have lines.
 
+use crate::boundary::cells::bright::{Bright, Over};
 use crate::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
 use crate::boundary::cells::lobe::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::occlusion::SurfacePoint;
@@ -20,8 +21,10 @@ pub fn find(search: &mut LobeSearch, free: u32) {
     let scene = search.scene.view.scene;
     let radiance = Vec3::from(scene.constant(environment.radiance)).as_dvec3();
     let active = search.bounce.rays.active & search.lanes;
+    let bright = Bright::new(search.at, Over::EvenEnvironment, active);
+    let first = search.out.samples.len();
     let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
-        if active >> lane & 1 == 0 {
+        if bright.lanes >> lane & 1 == 0 {
             return None;
         }
         let at = LaneSurface::new(search.at, lane, Lobe::Diffuse);
@@ -42,6 +45,7 @@ pub fn find(search: &mut LobeSearch, free: u32) {
             shadows(search, lane, line, &is_open, radiance);
         }
     }
+    bright.weigh(&mut search.out.samples[first..]);
 }
 
 /// Which lanes see the environment at point `i` of their lines.

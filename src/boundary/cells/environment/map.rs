@@ -4,6 +4,7 @@
 //! As `boundary::cells::light` for area lights. The jump is the map's radiance where the silhouette
 //! is.
 
+use crate::boundary::cells::bright::{Bright, Over};
 use crate::boundary::cells::lobe::families::Family;
 use crate::boundary::cells::lobe::line::above_horizon;
 use crate::boundary::occlusion::SurfacePoint;
@@ -67,8 +68,10 @@ struct MapLines<'a> {
 impl<'a> MapLines<'a> {
     fn find(&self, out: &mut Found) {
         let lit = self.at.view.lit_by_map(self.at.vertices);
+        let bright = Bright::new(self.at, Over::EnvironmentMap, lit);
+        let first = out.samples.len();
         let lines: [Option<MapLine>; LANES] = std::array::from_fn(|lane| {
-            (lit >> lane & 1 == 1)
+            (bright.lanes >> lane & 1 == 1)
                 .then(|| self.line_of_lane(lane))
                 .flatten()
         });
@@ -94,6 +97,7 @@ impl<'a> MapLines<'a> {
                 self.push(lane, line, edge.at, boundary, edge.jump, out);
             }
         }
+        bright.weigh(&mut out.samples[first..]);
     }
 
     /// A lane's line, unless nothing may be found on it that moves.
