@@ -323,7 +323,7 @@ fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,
         (Contender::Mixture(_), "light_cell" | "bounce_cell") => 0.03,
         // Edges that are drawn have to be found first.
-        (Contender::Mixture(_), "edge") => 1.2,
+        (Contender::Mixture(_), "edge") => 0.8,
         (Contender::Mixture(_), _) => 0.3,
     };
     rays.iter().map(|(kind, n)| cost(kind) * *n as f64).sum()
