@@ -84,8 +84,6 @@ pub enum Single {
     LobeEdgePoint,
     /// The same of edges before a light.
     LightEdgePoint,
-    /// Whether a vertex looks for borders: index, depth, over what.
-    Looks,
     /// The same of edges before the environment map.
     MapEdgePoint,
     /// Which of the materials that a surface is made of a path meets: index, depth.
@@ -97,6 +95,8 @@ pub enum Single {
     Debias,
     /// Where all camera rays of a tile leave the lens: axis.
     TileLensPoint,
+    /// Whether a vertex looks for borders: index, depth, over what.
+    Looks,
 }
 
 /// Streams of their own, with what tells several of them apart.
