@@ -21,6 +21,7 @@ mod finite_differences_materials;
 mod finite_differences_pictures;
 mod hidden_edges;
 mod last_vertex;
+mod later_vertices;
 mod lens;
 #[cfg(feature = "long-tests")]
 mod long;
