@@ -313,7 +313,7 @@ fn variance(found: &ForwardGradient) -> f64 {
 }
 
 /// About the microseconds that rays take with all that is done about them, fitted to the failure
-/// battery (`docs/method.md`, 14).
+/// battery (`docs/method.md`, 14); that of drawn edges is a guess.
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
         (Contender::Differences, "camera") => 0.036,

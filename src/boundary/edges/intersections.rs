@@ -79,7 +79,8 @@ fn crossed(
     let ends = [vertices[corner], vertices[(corner + 1) % 3]].map(position);
     let [a, b] = ends.map(Vec3::as_dvec3);
     let mut near = TOUCHES;
-    for _ in 0..MOST_PASSED {
+    let mut passed = 0;
+    while passed < MOST_PASSED {
         let far = (1.0 - TOUCHES) as f32;
         let hit = view.first_hit(ends[0], ends[1] - ends[0], near as f32, far);
         if hit == NO_TRIANGLE {
@@ -103,6 +104,8 @@ fn crossed(
         if is_through && counts(hit) {
             return Some(hit);
         }
+        // However many an edge goes through that do not count, the next may.
+        passed += usize::from(!is_through);
         near = if at.is_finite() { at.max(near) } else { near } + TOUCHES;
         if near >= 1.0 - TOUCHES {
             return None;
