@@ -186,7 +186,6 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         is_open_at_one,
     } = *way;
     let view = scene.view;
-    let mut at = 0.0;
     let occluder = |at: f64, counts: &mut Counts| {
         counts.probe += 1;
         let triangle = point.first_hit(view, direction(at), far);
@@ -198,27 +197,21 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     };
     // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
     // hides.
-    let height = |at: f64| point.geometric.as_dvec3().dot(direction(at));
-    let (low, high) = (height(0.0), height(1.0));
+    let [low, high] = [0.0, 1.0].map(|at| point.geometric.as_dvec3().dot(direction(at)));
     let crossing = low / (low - high);
-    let mut limit = 1.0;
-    // What ends at `at`, behind which the next occluder stands.
-    let mut end = None;
-    if low < 0.0 && high < 0.0 {
-        return Followed::AllHidden;
-    }
-    if low * high < 0.0 {
-        if low < 0.0 {
-            at = crossing + PROBE;
-            end = Some(OccluderEnd {
-                edge: point.plane_edge(view),
-                along: None,
-                at: crossing,
-            });
-        } else {
-            limit = crossing;
-        }
-    }
+    let own_plane = || OccluderEnd {
+        edge: point.plane_edge(view),
+        along: None,
+        at: crossing,
+    };
+    // What ends at `at`, behind which the next occluder stands; and up to where rays leave above.
+    let (mut at, mut end, limit) = match (low < 0.0, high < 0.0) {
+        (true, true) => return Followed::AllHidden,
+        (true, false) => (crossing + PROBE, Some(own_plane()), 1.0),
+        (false, true) => (0.0, None, crossing),
+        (false, false) => (0.0, None, 1.0),
+    };
+    let mut passed = NO_TRIANGLE;
     for _ in 0..MAX_OCCLUDERS {
         if at >= limit && !is_open_at_one {
             return Followed::AllHidden;
@@ -229,10 +222,21 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
             (None, Some(end)) => return Followed::End(end),
             (None, None) => return lost(at, counts),
         };
+        if triangle == passed {
+            return lost(at, counts);
+        }
+        passed = triangle;
         let ends = [direction(at), direction(1.0)];
-        let fold = match walk_over(scene, point, triangle, ends) {
+        let up_to = if at < limit { limit } else { 1.0 };
+        let stop = (up_to - at) / (1.0 - at);
+        let fold = match walk_over(scene, point, (triangle, stop), ends) {
             Walk::Fold(fold) => fold,
             Walk::Continues if !is_open_at_one => return Followed::AllHidden,
+            Walk::Continues if up_to < 1.0 => {
+                at = limit + PROBE;
+                end = Some(own_plane());
+                continue;
+            }
             _ => return lost(at, counts),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
@@ -260,8 +264,14 @@ fn end_beyond(from: f64, mut hides: impl FnMut(f64) -> bool) -> f64 {
     0.5 * (hidden + open)
 }
 
-/// Walks over the surface that is seen in the first of two directions toward the other.
-fn walk_over(scene: &SearchScene, point: &SurfacePoint, seen: u32, [a, b]: [DVec3; 2]) -> Walk {
+/// Walks over the triangle that is `seen` in the first of two directions, and what hangs together
+/// with it, toward the other, up to parameter `stop`.
+fn walk_over(
+    scene: &SearchScene,
+    point: &SurfacePoint,
+    (seen, stop): (u32, f64),
+    [a, b]: [DVec3; 2],
+) -> Walk {
     let arc = Arc {
         origin: point.leave(a).as_dvec3(),
         a,
@@ -272,7 +282,7 @@ fn walk_over(scene: &SearchScene, point: &SurfacePoint, seen: u32, [a, b]: [DVec
         scene.adjacency,
         &arc,
         [seen, NO_TRIANGLE],
-        1.0,
+        stop,
         &mut Reservoir::closed(),
     )
 }

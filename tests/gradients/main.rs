@@ -7,6 +7,7 @@ mod analytic_shadow;
 mod analytic_sharp_shadow;
 mod beams;
 mod black;
+mod bowls;
 mod chains;
 mod determinism;
 mod drifting_lobes;
