@@ -41,7 +41,6 @@ fn no_end_is_lost() {
     let along = direction(&scene, &TURN);
     let asked = settings(&scene, Method::Reparam, 256, 1);
     let found = forward(&scene, &asked, &along, &Quiet).expect("a gradient");
-    let statistics = found.statistics;
     let rays = &found.statistics.rays;
     println!("{rays:?}, {:?}", found.statistics.rejected);
     assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
