@@ -97,6 +97,8 @@ pub enum Single {
     TileLensPoint,
     /// Whether a vertex looks for borders: index, depth, over what.
     Looks,
+    /// Where such a point of the pilot looks for what is near: node, number of the look, axis.
+    DriftLook,
 }
 
 /// Streams of their own, with what tells several of them apart.

@@ -9,6 +9,7 @@ mod beams;
 mod black;
 mod bowls;
 mod chains;
+mod detail;
 mod determinism;
 mod drifting_lobes;
 mod edges;

@@ -5,9 +5,11 @@
 //! meets many things the node follows all that it hits: there are too many borders to find, on the
 //! film and in what its vertices see, and they move about as the points do. Before an environment map
 //! it does so everywhere if the camera moves and paths are long, since the whole world rests then.
+//! Where it meets a mesh with detail that sees itself (`detail`), it follows what it hits of that.
 //! Elsewhere the node rests. The few borders there are found for sure, and an image's noise would be
 //! worse than theirs.
 
+use super::detail;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::triangle::triangle_hit;
@@ -30,24 +32,50 @@ const MANY: usize = 3;
 
 /// Makes the drift of a film; `None` if it rests everywhere.
 pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
-    let many = scene.pieces().count() + 1 >= MANY;
-    let may = scene.view.materials.any_special || many || follows_all(scene);
+    let pieces = scene.pieces();
+    let meshes = 0..scene.view.scene.meshes.len();
+    let may_hide = |mesh| scene.moving.moves_mesh(mesh) && pieces.may_hide_itself(mesh as u32);
+    let may = scene.view.materials.any_special
+        || pieces.count() + 1 >= MANY
+        || meshes.into_iter().any(may_hide)
+        || follows_all(scene);
     if !film.filter.is_continuous() || !may {
         return None;
     }
     let grid = DriftGrid::new(film.lattice);
-    let stream = Stream::new(film.seed, [GROUP, 0]);
+    let [columns, rows] = film.lattice.per_pixel;
+    let pilot = Pilot {
+        scene,
+        grid: &grid,
+        stream: Stream::new(film.seed, [GROUP, 0]),
+        per_pixel: ((columns * rows) as f64).sqrt(),
+    };
     let nodes = grid.nodes[0] * grid.nodes[1];
     let followed: Vec<Vec<Followed>> = (0..nodes)
         .into_par_iter()
-        .map(|node| followed(scene, &grid, &stream, node))
+        .map(|node| followed(&pilot, node))
         .collect();
     let any = followed.iter().any(|f| !f.is_empty());
     any.then_some(Drift { grid, followed })
 }
 
+/// What nodes look with.
+struct Pilot<'a> {
+    scene: &'a SearchScene<'a>,
+    grid: &'a DriftGrid,
+    stream: Stream,
+    /// Samples of a group along a pixel.
+    per_pixel: f64,
+}
+
 /// What a node follows.
-fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize) -> Vec<Followed> {
+fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
+    let Pilot {
+        scene,
+        grid,
+        ref stream,
+        per_pixel,
+    } = *pilot;
     if grid.is_rim(node) {
         return Vec::new();
     }
@@ -69,12 +97,25 @@ fn followed(scene: &SearchScene, grid: &DriftGrid, stream: &Stream, node: usize)
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
     let sees_many = follows_all(scene) || sees_many(scene, &seen);
-    let is_followed = |&lane: &usize| {
-        let triangle = seen[lane];
-        triangle != NO_TRIANGLE && (sees_many || is_special(scene, triangle))
+    let mesh = |l: usize| geometry.mesh_of_triangle[seen[l] as usize];
+    let moves = |&l: &usize| moving.moves_mesh(mesh(l) as usize);
+    let hit: Vec<usize> = (0..LANES).filter(|&l| seen[l] != NO_TRIANGLE).collect();
+    let may_hide = |l: &&usize| moves(l) && scene.pieces().may_hide_itself(mesh(**l));
+    let detailed = if sees_many {
+        BTreeSet::new()
+    } else {
+        let asked = detail::Seen {
+            node,
+            per_pixel,
+            directions: &directions,
+            triangles: &seen,
+            lanes: hit.iter().filter(may_hide).fold(0, |b, l| b | 1 << l),
+        };
+        detail::meshes(scene, stream, &asked)
     };
-    let lanes: Vec<usize> = (0..LANES).filter(is_followed).collect();
-    let moves = |&l: &usize| moving.vertex(geometry, geometry.triangles[seen[l] as usize][0]);
+    let is_followed =
+        |&l: &usize| sees_many || is_special(scene, seen[l]) || detailed.contains(&mesh(l));
+    let lanes: Vec<usize> = hit.into_iter().filter(is_followed).collect();
     if !lanes.iter().any(moves) {
         return Vec::new();
     }

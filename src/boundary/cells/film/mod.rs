@@ -2,6 +2,7 @@
 
 pub mod cell;
 pub mod crowds;
+mod detail;
 pub mod drift;
 mod rims;
 pub mod search;
