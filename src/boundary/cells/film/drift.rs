@@ -37,7 +37,7 @@ pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
     let may_hide = |mesh| scene.moving.moves_mesh(mesh) && pieces.may_hide_itself(mesh as u32);
     let may = scene.view.materials.any_special
         || pieces.count() + 1 >= MANY
-        || meshes.into_iter().any(may_hide)
+        || (asks_for_detail(scene) && meshes.into_iter().any(may_hide))
         || follows_all(scene);
     if !film.filter.is_continuous() || !may {
         return None;
@@ -101,7 +101,7 @@ fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
     let moves = |&l: &usize| moving.moves_mesh(mesh(l) as usize);
     let hit: Vec<usize> = (0..LANES).filter(|&l| seen[l] != NO_TRIANGLE).collect();
     let may_hide = |l: &&usize| moves(l) && scene.pieces().may_hide_itself(mesh(**l));
-    let detailed = if sees_many {
+    let detailed = if sees_many || !asks_for_detail(scene) {
         BTreeSet::new()
     } else {
         let asked = detail::Seen {
@@ -142,6 +142,14 @@ fn follows_all(scene: &SearchScene) -> bool {
     let view = scene.view;
     let is_long = view.limits.max_depth > 2;
     is_long && view.map_distribution.is_some() && scene.moving.camera_lanes() != 0
+}
+
+/// Whether detail is followed: of an even sky alone, which paths of two segments see, lines bring
+/// less noise than an image has.
+fn asks_for_detail(scene: &SearchScene) -> bool {
+    let view = scene.view;
+    let is_lit = !view.lights.is_empty() || !view.delta_lights.is_empty();
+    view.limits.max_depth > 2 || is_lit || view.map_distribution.is_some()
 }
 
 /// Whether these are of many pieces.
