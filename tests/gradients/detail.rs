@@ -2,6 +2,7 @@
 
 use common::comparison::{Interior::Fails, check_to, lit};
 use common::scenes::*;
+use common::transposition::transposed;
 use common::{direction, gradient, settings};
 use glam::vec3;
 use warpath::methods::Method;
@@ -28,6 +29,11 @@ fn of_a_body_that_moves() {
 #[test]
 fn under_a_moving_camera() {
     check_to(0.03, &thorns(GAUSSIAN), &CAMERA, 256, None, Fails);
+}
+
+#[test]
+fn transposition() {
+    transposed(&thorns(GAUSSIAN), Method::Reparam, &[]);
 }
 
 /// Mean over pixels of the variance between runs.
