@@ -29,13 +29,15 @@ type Direction = Vec<(Parameter, Vec<f32>)>;
 /// The pilot's own random numbers.
 const SEED: u64 = 0x7069_6c6f_7400_0001;
 const GROUPS: u32 = 4;
-/// Samples a pixel of a group, at most.
-const MOST_SAMPLES: u32 = 16;
+/// Samples a pixel of a group, as far as the job's groups have as many.
+const SAMPLES: [u32; 2] = [2, 16];
 /// Paths of one trial, at least, and the share that they have in the whole job's at least.
 const LEAST_PATHS: f64 = 16384.0;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
-/// What promises less than this over what is usual is not worth the risk of being misled.
+/// What promises less than this over what is usual is not worth the risk of being misled; of
+/// differences, whose work is that of another program.
 const WORTHWHILE: f64 = 1.2;
+const WORTHWHILE_DIFFERENCES: f64 = 1.4;
 
 /// What one may ask for.
 pub enum Question<'a> {
@@ -167,12 +169,13 @@ fn moving_direction(
     Ok(is_worth_it.then_some(direction))
 }
 
-/// Fewer samples on fewer tiles, as the whole job would put them.
+/// Fewer samples on the whole film, or on tiles of it where even the least would be too many. What has
+/// most of the noise, as a lamp that is seen, may lie in one place.
 fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<Settings, EngineError> {
-    let samples = (settings.spp / settings.groups().count.max(1)).clamp(1, MOST_SAMPLES);
+    let [least, most] = SAMPLES.map(|n| n.min(settings.spp / settings.groups().count).max(1));
     let mut own = Settings {
         seed: SEED,
-        spp: samples * GROUPS,
+        spp: most * GROUPS,
         standard_error: true,
         groups: Some(Groups {
             count: GROUPS,
@@ -182,11 +185,13 @@ fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<Settings, Engine
         ..settings.clone()
     };
     let stage = Stage::new(prepared, &own, None, &mut Statistics::default())?;
-    let tiles = stage.lattice.tile_count() as f64;
-    let paths = stage.size.iter().product::<usize>() as f64 * f64::from(own.spp);
-    let job = paths * f64::from(settings.spp) / f64::from(own.spp);
-    let share = (LEAST_PATHS.max(LEAST_SHARE * job) / paths).min(1.0);
-    own.tiles = Some((share * tiles).ceil() as usize);
+    let pixels = stage.size.iter().product::<usize>() as f64;
+    let paths = LEAST_PATHS.max(LEAST_SHARE * pixels * f64::from(settings.spp));
+    let samples = ((paths / pixels) as u32 / GROUPS).clamp(least, most);
+    own.spp = samples * GROUPS;
+    let stage = Stage::new(prepared, &own, None, &mut Statistics::default())?;
+    let share = (paths / (pixels * f64::from(own.spp))).min(1.0);
+    own.tiles = Some((share * stage.lattice.tile_count() as f64).ceil() as usize);
     Ok(own)
 }
 
@@ -277,13 +282,18 @@ impl Trials<'_> {
     /// What has the least noise for its work, or the usual if that is nearly as good.
     fn best(&self) -> Contender {
         let usual = &self.done[0];
-        let best = self
-            .done
-            .iter()
-            .min_by(|a, b| a.cost().total_cmp(&b.cost()));
-        match best {
-            Some(best) if best.cost() * WORTHWHILE < usual.cost() => best.way,
-            _ => usual.way,
+        let least = |is_difference: bool| {
+            let done = self.done.iter();
+            let of_kind = done.filter(|t| (t.way == Contender::Differences) == is_difference);
+            of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
+        };
+        let best = match least(false) {
+            Some(best) if best.cost() * WORTHWHILE < usual.cost() => best,
+            _ => usual,
+        };
+        match least(true) {
+            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < best.cost() => it.way,
+            _ => best.way,
         }
     }
 
