@@ -2,9 +2,9 @@
 //!
 //! A *ball* is seen by its outline, which rests if it turns about itself: the velocity of its middle
 //! is followed. Others are seen by their parts, which turn with them, so that their rotation is
-//! followed, too.
+//! followed, too. Of a *wall*, which is flat, only the motion across its plane is followed.
 //!
-//! Both are means over a few vertices vᵢ at the arms rᵢ from their middle. The velocity is v̄ = ⟨v⟩.
+//! These are means over a few vertices vᵢ at the arms rᵢ from their middle. The velocity is v̄ = ⟨v⟩.
 //! The rotation is that of least squares, ω = J⁻¹⟨r × v⟩ with J = ⟨r² − r rᵀ⟩; it is exact of what
 //! moves rigidly.
 
@@ -27,6 +27,8 @@ pub struct Body {
     pub moves: bool,
     vertices: Vec<u32>,
     turning: Option<Turning>,
+    /// Unit, of a wall, in whose plane its centre lies.
+    plane_normal: Option<DVec3>,
 }
 
 /// What the rotation of a body is told from.
@@ -72,7 +74,21 @@ impl Body {
             moves,
             vertices,
             turning: (!is_ball).then(|| Turning::new(&positions)),
+            plane_normal: None,
         })
+    }
+
+    /// The same as a wall in the plane through its centre with this unit normal.
+    pub fn as_wall(self, normal: DVec3) -> Self {
+        Self {
+            plane_normal: Some(normal),
+            ..self
+        }
+    }
+
+    /// The normal of a wall.
+    pub fn plane_normal(&self) -> Option<DVec3> {
+        self.plane_normal
     }
 
     pub fn is_ball(&self) -> bool {

@@ -21,14 +21,15 @@
 //! and of x and in the turn of the frame, so that the backward sweep can hand its cotangent on.
 
 use crate::lanes::LANES;
-use crate::paths::body_share::{BodyShare, REACH};
+use crate::paths::body_share::{BodyShare, REACH, is_followed_from};
 use crate::paths::drift_body::{Body, BodyMotion};
 use crate::paths::moving::Sector;
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
-/// So many bodies are followed at most, the largest.
+/// So many bodies are followed at most, the largest, and so many walls.
 const MOST_BODIES: usize = 16;
+const MOST_WALLS: usize = 6;
 /// The cosine from which the field fades toward the horizon. What that adds to the mean square of a
 /// weight's change does not depend on it: bounces are distributed as the cosine.
 const HORIZON: f64 = 0.05;
@@ -60,7 +61,7 @@ pub struct LobeField {
     /// How much of the turn of its frame a direction does not share, and how that changes.
     rest: f64,
     rest_gradient: DVec3,
-    shares: [BodyShare; MOST_BODIES],
+    shares: [BodyShare; MOST_BODIES + MOST_WALLS],
     count: usize,
 }
 
@@ -73,11 +74,18 @@ pub struct FieldBars {
 }
 
 impl LobeDrift {
-    /// Follows the largest of these bodies, and rests over the lobes of some meshes; `None` if there
-    /// are neither.
-    pub fn new(mut bodies: Vec<Body>, has_crowd: bool, rests: Vec<Rests>) -> Option<Self> {
-        bodies.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-        bodies.truncate(MOST_BODIES);
+    /// Follows the largest of these bodies and walls, and rests over the lobes of some meshes; `None`
+    /// if there are none of them.
+    pub fn new(
+        [mut bodies, mut walls]: [Vec<Body>; 2],
+        has_crowd: bool,
+        rests: Vec<Rests>,
+    ) -> Option<Self> {
+        for (all, most) in [(&mut bodies, MOST_BODIES), (&mut walls, MOST_WALLS)] {
+            all.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+            all.truncate(most);
+        }
+        bodies.append(&mut walls);
         let any_moves = bodies.iter().any(|b| b.moves);
         let any = !bodies.is_empty() || rests.iter().any(|r| r.diffuse || r.rough);
         any.then_some(Self {
@@ -124,7 +132,15 @@ impl LobeDrift {
             sector.normal.dot(to).abs() <= sector.normal.length() * radius
                 && sector.inward.iter().all(is_ahead)
         };
-        self.bodies.iter().any(|body| body.moves && reaches(body))
+        let follows = |body: &Body| body.moves && is_followed_from(body, sector.origin);
+        let mut bodies = self.bodies.iter();
+        bodies.any(|body| follows(body) && reaches(body))
+    }
+
+    /// Whether directions from `x` may drift; if it rests only bodies that move are followed.
+    pub fn reaches(&self, x: DVec3, x_moves: bool) -> bool {
+        let mut bodies = self.bodies.iter();
+        bodies.any(|body| (x_moves || body.moves) && is_followed_from(body, x))
     }
 
     /// The field at a direction `d` from `x`, where the normal is `n`; `None` where it is zero. If x
@@ -135,30 +151,31 @@ impl LobeDrift {
         if cos <= 0.0 {
             return None;
         }
+        let rests = rests && x_moves;
+        let bodies = self.bodies.iter().enumerate();
+        let of_body = |(number, body): (usize, &Body)| {
+            let share = (x_moves || body.moves).then(|| BodyShare::new(body, number, x, d));
+            share.flatten()
+        };
+        let mut shares = bodies.filter_map(of_body).peekable();
+        if shares.peek().is_none() && !rests {
+            return None;
+        }
         let mut field = LobeField {
             normal: n,
             direction: d,
             rest: 0.0,
             rest_gradient: DVec3::ZERO,
-            shares: [BodyShare::default(); MOST_BODIES],
+            shares: [BodyShare::default(); MOST_BODIES + MOST_WALLS],
             count: 0,
         };
-        for (number, body) in self.bodies.iter().enumerate() {
-            if !(x_moves || body.moves) {
-                continue;
-            }
-            let Some(share) = BodyShare::new(body, number, x, d) else {
-                continue;
-            };
+        for share in shares {
             field.shares[field.count] = share;
             field.count += 1;
         }
-        let rests = rests && x_moves;
-        if field.count == 0 && !rests {
-            return None;
-        }
         let all = field.shares[..field.count].iter();
-        let (sum, slope) = all.fold((0.0, DVec3::ZERO), |(s, g), share| {
+        let bodies = all.filter(|share| share.across.is_none());
+        let (sum, slope) = bodies.fold((0.0, DVec3::ZERO), |(s, g), share| {
             (s + share.weight, g + share.gradient)
         });
         let (most, slope) = if sum > 1.0 {
@@ -173,12 +190,23 @@ impl LobeDrift {
             field.rest = fading;
             field.rest_gradient = along_n * by_cos;
         }
+        // Walls come last, and are followed where no body is.
+        let mut taken = (0.0, DVec3::ZERO);
         for share in &mut field.shares[..field.count] {
-            let part = share.weight / most;
-            let gradient = (share.gradient - slope * part) / most;
+            let is_wall = share.across.is_some();
+            let (part, gradient) = if is_wall {
+                let left = 1.0 - taken.0;
+                let gradient = share.gradient * left - taken.1 * share.weight;
+                (share.weight * left, gradient)
+            } else {
+                let part = share.weight / most;
+                let gradient = (share.gradient - slope * part) / most;
+                taken = (taken.0 + part, taken.1 + gradient);
+                (part, gradient)
+            };
             share.weight = fading * part;
             share.gradient = gradient * fading + along_n * (by_cos * part);
-            if !rests {
+            if !(rests || is_wall) {
                 field.rest += share.weight;
                 field.rest_gradient += share.gradient;
             }
@@ -205,9 +233,9 @@ impl LobeField {
                 velocity: v,
                 rotation,
             } = of_body(share.body);
-            let w = v + rotation.cross(share.arm) - of_x;
+            let w = share.followed(v + rotation.cross(share.arm) - of_x);
             let along = d.dot(w);
-            let drift = (w - d * along) * share.nearness + rotation.cross(d);
+            let drift = (w - d * along) * share.nearness + share.turn(rotation, d);
             velocity += drift * share.weight;
             divergence += share.gradient.dot(drift)
                 + share.weight * (share.nearness_gradient.dot(w) - 2.0 * along * share.nearness);
@@ -234,12 +262,14 @@ impl LobeField {
         for share in &self.shares[..self.count] {
             let drift = velocity_bar * share.weight + share.gradient * weight_bar;
             let divergence = share.weight * weight_bar;
-            let w = (drift - d * d.dot(drift)) * share.nearness
-                + (share.nearness_gradient - d * (2.0 * share.nearness)) * divergence;
+            let w = share.followed(
+                (drift - d * d.dot(drift)) * share.nearness
+                    + (share.nearness_gradient - d * (2.0 * share.nearness)) * divergence,
+            );
             bars.x -= w;
             let motion = BodyMotion {
                 velocity: w,
-                rotation: share.arm.cross(w) + d.cross(drift),
+                rotation: share.arm.cross(w) - share.turn(drift, d),
             };
             of_body(share.body, motion);
         }
@@ -259,7 +289,7 @@ mod tests {
     }
 
     fn drift_of(bodies: Vec<Body>) -> LobeDrift {
-        LobeDrift::new(bodies, false, Vec::new()).unwrap()
+        LobeDrift::new([bodies, Vec::new()], false, Vec::new()).unwrap()
     }
 
     /// Two balls that overlap as seen from the origin.

@@ -32,8 +32,15 @@ impl SceneView<'_> {
         let metal = kinds.conductor & lobes.reflected;
         let glass = kinds.dielectric & (lobes.reflected | lobes.refracted);
         let rough = plain & (metal | glass) & !(kinds.smooth | kinds.thin);
-        vertices.drifts = diffuse;
         let resting = drift.resting_lanes(self.geometry, &vertices.triangle);
+        let is_followed = |&lane: &usize| {
+            let x = lane_of(surface.x, lane).as_dvec3();
+            diffuse >> lane & 1 == 1 && drift.reaches(x, vertices.moves >> lane & 1 == 1)
+        };
+        let lanes = (0..LANES).filter(is_followed);
+        let followed = lanes.fold(0, |bits, lane| bits | 1 << lane);
+        diffuse &= resting[0] | followed;
+        vertices.drifts = diffuse;
         vertices.rests = resting[0] & diffuse | resting[1] & rough;
         let is_carried = |&lane: &usize| {
             let has = |bits: u32| bits >> lane & 1 == 1;

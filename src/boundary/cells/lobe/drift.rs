@@ -12,6 +12,7 @@
 //! diffuse lobe it is so little that directions rest over all that is curved: in a furnished room a
 //! ball that moves has a quarter of the variance.
 
+use super::walls::walls;
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::drift_body::Body;
 use crate::paths::lobe_drift::{LobeDrift, Rests};
@@ -44,12 +45,21 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
     let meshes = 0..geometry.smooth.len();
     let crowds: Vec<bool> = meshes.clone().map(|m| is_crowd(scene, m)).collect();
     let details_rad: Vec<f64> = meshes.clone().map(|m| detail_rad(geometry, m)).collect();
+    let is_plain = |&m: &usize| {
+        let is_special = view.materials.is_special(view.scene.meshes[m].material);
+        !(crowds[m] || is_special || details_rad[m] > CURVED_RAD)
+    };
+    let walls = walls(scene, meshes.clone().filter(is_plain));
     let bodies = meshes.flat_map(|m| bodies_of(scene, m, crowds[m], details_rad[m]));
     let rests = details_rad.iter().map(|&detail| Rests {
         diffuse: detail > CURVED_RAD,
         rough: detail > DETAIL_RAD,
     });
-    LobeDrift::new(bodies.collect(), crowds.contains(&true), rests.collect())
+    LobeDrift::new(
+        [bodies.collect(), walls],
+        crowds.contains(&true),
+        rests.collect(),
+    )
 }
 
 /// Whether a mesh is of many pieces of which none is large.

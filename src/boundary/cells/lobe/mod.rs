@@ -11,3 +11,4 @@ mod rims;
 pub mod search;
 mod shadows;
 pub mod vertex;
+mod walls;
