@@ -9,3 +9,4 @@ pub mod occlusion;
 pub mod probe;
 pub mod search_scene;
 pub mod shadows;
+pub mod surroundings;

@@ -1,5 +1,6 @@
 //! The scene as searches for boundaries see it.
 
+use crate::boundary::surroundings::Surroundings;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
@@ -21,15 +22,27 @@ pub struct SearchScene<'a> {
     pub adjacency: &'a Adjacency,
     pub moving: &'a Moving,
     pub lobe_drift: Option<&'a LobeDrift>,
-    /// Filled in when first asked for.
-    pub found_pieces: &'a OnceLock<Pieces>,
+    pub things: &'a Things,
+}
+
+/// What is in the scene, found out when first asked for.
+#[derive(Default)]
+pub struct Things {
+    pieces: OnceLock<Pieces>,
+    surroundings: OnceLock<Surroundings>,
 }
 
 impl SearchScene<'_> {
     /// What meshes consist of.
     pub fn pieces(&self) -> &Pieces {
         let find = || Pieces::new(self.view.geometry, self.adjacency);
-        self.found_pieces.get_or_init(find)
+        self.things.pieces.get_or_init(find)
+    }
+
+    /// What lanes may be close to.
+    pub fn surroundings(&self) -> &Surroundings {
+        let find = || Surroundings::new(self.view.geometry);
+        self.things.surroundings.get_or_init(find)
     }
 
     /// Whether a crossing is a facet edge of a surface that does nothing but bend rays. Only those

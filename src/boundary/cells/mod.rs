@@ -10,9 +10,8 @@ mod light;
 mod line_search;
 pub mod lobe;
 
-use crate::boundary::search_scene::SearchScene;
+use crate::boundary::search_scene::{SearchScene, Things};
 use crate::discontinuity::adjacency::Adjacency;
-use crate::discontinuity::pieces::Pieces;
 use crate::paths::at::At;
 use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::Found;
@@ -28,7 +27,7 @@ pub struct Cells<'a> {
     adjacency: &'a Adjacency,
     /// What moves, of what there are boundaries.
     moving: &'a Moving,
-    pieces: OnceLock<Pieces>,
+    things: Things,
     /// Whether directions drift also from points that rest.
     drifts_from_rest: bool,
     lobe_drift: OnceLock<Option<LobeDrift>>,
@@ -39,7 +38,7 @@ impl<'a> Cells<'a> {
         Self {
             adjacency,
             moving,
-            pieces: OnceLock::new(),
+            things: Things::default(),
             drifts_from_rest: true,
             lobe_drift: OnceLock::new(),
         }
@@ -65,7 +64,7 @@ impl<'a> Cells<'a> {
             view,
             adjacency: self.adjacency,
             moving: self.moving,
-            found_pieces: &self.pieces,
+            things: &self.things,
             lobe_drift: self.lobe_drift.get().and_then(Option::as_ref),
         }
     }

@@ -5,9 +5,8 @@ use super::scene_edges::SceneEdges;
 use super::set::EdgeSet;
 use super::tile_edges::TileEdges;
 use super::tree::EdgeTree;
-use crate::boundary::search_scene::SearchScene;
+use crate::boundary::search_scene::{SearchScene, Things};
 use crate::discontinuity::adjacency::Adjacency;
-use crate::discontinuity::pieces::Pieces;
 use crate::paths::estimator::FilmTile;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
@@ -22,7 +21,7 @@ pub struct Edges<'a> {
     all: OnceLock<EdgeSet>,
     moved: OnceLock<EdgeSet>,
     lights: OnceLock<LightsAround>,
-    pieces: OnceLock<Pieces>,
+    things: Things,
     /// The edges that the camera sees in each tile, by the tile's first pixel.
     tiles: Mutex<HashMap<[i32; 2], Arc<TileEdges>>>,
 }
@@ -35,7 +34,7 @@ impl<'a> Edges<'a> {
             all: OnceLock::new(),
             moved: OnceLock::new(),
             lights: OnceLock::new(),
-            pieces: OnceLock::new(),
+            things: Things::default(),
             tiles: Mutex::default(),
         }
     }
@@ -47,7 +46,7 @@ impl<'a> Edges<'a> {
             adjacency: self.adjacency,
             moving: self.moving,
             lobe_drift: None,
-            found_pieces: &self.pieces,
+            things: &self.things,
         }
     }
 

@@ -84,10 +84,13 @@ fn among_surfaces(search: &mut LobeSearch) {
     let all = narrow != 0
         && narrow & vertices.rests & vertices.moves == 0
         && (is_wide(search, narrow) || sees_several(search, narrow & search.bounce.rays.active));
-    let some = if all { LANES as u32 } else { 1 };
-    lines_of_some(search, narrow, some, 0);
+    if all {
+        lines_of_some(search, narrow, LANES as u32, 0);
+    } else {
+        line_of_one(search, narrow, 0);
+    }
     if !search.scene.lobe_drift.is_some_and(|drift| drift.has_crowd) {
-        lines_of_some(search, others, 1, 1);
+        line_of_one(search, others, 1);
         return;
     }
     let mesh_of_triangle = &search.scene.view.geometry.mesh_of_triangle;
@@ -101,6 +104,29 @@ fn among_surfaces(search: &mut LobeSearch) {
         others &= !lanes;
         group += 1;
     }
+}
+
+/// A line for one of these lanes, which stands for all; `group` is one of the packet's.
+fn line_of_one(search: &mut LobeSearch, lanes: u32, group: u32) {
+    if lanes == 0 {
+        return;
+    }
+    let numbers = &search.at.numbers;
+    let chances = search
+        .scene
+        .surroundings()
+        .chances(search.at.surface.x, lanes);
+    let name = [numbers.index[0], numbers.depth, group];
+    let number = numbers.stream.single(Single::LobeLane, name);
+    let mut below = 0.0;
+    let is_beyond = |&lane: &usize| {
+        below += chances[lane];
+        below > number
+    };
+    let drawn = (0..LANES).filter(|&l| lanes >> l & 1 == 1).find(is_beyond);
+    // By rounding all may sum up to less than one.
+    let lane = drawn.unwrap_or(lanes.ilog2() as usize);
+    line_of_lane(search, lane, f64::from(chances[lane].recip()));
 }
 
 /// Lines for so many of these lanes, which stand for all; `group` is one of the packet's.

@@ -1,0 +1,64 @@
+//! Which lane of a packet looks.
+//!
+//! As a point moves past an edge at the distance r, the direction to it turns by one over r: under
+//! the rim of a lamp that hangs close to a ceiling a thousand times as fast as elsewhere. Where one
+//! lane looks for all, it is mostly not the one that is there, and what is found there stands for all
+//! lanes. So a lane looks with a chance that grows with how near it is to other things, as boxes
+//! around meshes tell.
+
+use crate::lanes::{LANES, Lane, Real, V3};
+use crate::trace::geometry::Geometry;
+use glam::Vec3;
+
+/// So many meshes are looked at, the largest.
+const MOST_BOXES: usize = 32;
+/// Of a box's diagonal: what is nearer lies on it.
+const ON_IT: f32 = 1e-4;
+/// The part of all chances that does not depend on nearness.
+const EVEN: f32 = 0.5;
+
+/// Boxes around meshes.
+pub struct Surroundings {
+    boxes: Vec<[Vec3; 2]>,
+}
+
+impl Surroundings {
+    pub fn new(geometry: &Geometry) -> Self {
+        let around = |mesh: &[u32]| {
+            let vertices = &geometry.positions[mesh[0] as usize..mesh[1] as usize];
+            let low = vertices.iter().copied().reduce(Vec3::min)?;
+            let high = vertices.iter().copied().reduce(Vec3::max)?;
+            Some([low, high])
+        };
+        let meshes = geometry.first_vertex.windows(2);
+        let mut boxes: Vec<[Vec3; 2]> = meshes.filter_map(around).collect();
+        boxes.sort_by(|a, b| diagonal(b).total_cmp(&diagonal(a)));
+        boxes.truncate(MOST_BOXES);
+        Self { boxes }
+    }
+
+    /// Of each of these lanes, which are at `x`, the chance that it looks; they sum up to one.
+    pub fn chances(&self, x: V3<Lane>, lanes: u32) -> [f32; LANES] {
+        let zero = Lane::splat(0.0);
+        let mut nearest = Lane::splat(f32::MAX);
+        for around in &self.boxes {
+            let [low, high] = around.map(|p| [p.x, p.y, p.z].map(Lane::splat));
+            let outside = |x: Lane, axis: usize| (low[axis] - x).max(x - high[axis]).max(zero);
+            let to = V3::new(outside(x.x, 0), outside(x.y, 1), outside(x.z, 2));
+            let squared = to.dot(to);
+            let least = (ON_IT * diagonal(around)).powi(2);
+            let is_near = Real::gt(squared, Lane::splat(least)) & Real::lt(squared, nearest);
+            nearest = <Lane as Real>::select(is_near, squared, nearest);
+        }
+        let nearness = nearest.to_array().map(|squared| squared.sqrt().recip());
+        let is_one = |&lane: &usize| lanes >> lane & 1 == 1;
+        let sum: f32 = (0..LANES).filter(is_one).map(|l| nearness[l]).sum();
+        let even = 1.0 / lanes.count_ones() as f32;
+        let chance = |lane: usize| EVEN * even + (1.0 - EVEN) * nearness[lane] / sum;
+        std::array::from_fn(|lane| if is_one(&lane) { chance(lane) } else { 0.0 })
+    }
+}
+
+fn diagonal([low, high]: &[Vec3; 2]) -> f32 {
+    low.distance(*high)
+}
