@@ -15,7 +15,7 @@ const MOST_BOXES: usize = 32;
 /// Of a box's diagonal: what is nearer lies on it.
 const ON_IT: f32 = 1e-4;
 /// The part of all chances that does not depend on nearness.
-const EVEN: f32 = 0.5;
+const EVEN: f32 = 0.75;
 
 /// Boxes around meshes.
 pub struct Surroundings {
@@ -61,4 +61,50 @@ impl Surroundings {
 
 fn diagonal([low, high]: &[Vec3; 2]) -> f32 {
     low.distance(*high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lanes one after another farther from a plate, at a wall that is on no side of any.
+    #[test]
+    fn who_is_near_looks() {
+        let boxes = vec![
+            [Vec3::new(-9.0, -9.0, 0.0), Vec3::new(9.0, 9.0, 0.0)],
+            [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.1)],
+        ];
+        let surroundings = Surroundings { boxes };
+        let x = std::array::from_fn(|lane| 0.01 * (1.0 + lane as f32).powi(2));
+        let x = V3::new(Lane::new(x), Lane::splat(0.5), Lane::splat(0.0));
+        let lanes = !0b10 & (u32::MAX >> (32 - LANES));
+        let chances = surroundings.chances(x, lanes);
+        assert!(
+            (chances.iter().sum::<f32>() - 1.0).abs() < 1e-6,
+            "{chances:?}"
+        );
+        assert_eq!(chances[1], 0.0);
+        let others = lanes.count_ones() as f32;
+        assert!(
+            chances
+                .iter()
+                .enumerate()
+                .all(|(l, &c)| l == 1 || c >= EVEN / others)
+        );
+        // One over the distances, beside the even part.
+        let nearness = |lane: usize| chances[lane] - EVEN / others;
+        assert!(
+            (nearness(0) / nearness(2) - 9.0).abs() < 1e-3,
+            "{chances:?}"
+        );
+    }
+
+    /// Where nothing is outside of which a point lies, all look alike.
+    #[test]
+    fn alone_all_look_alike() {
+        let surroundings = Surroundings { boxes: Vec::new() };
+        let chances = surroundings.chances(V3::splat(0.0), 0b111);
+        let third = |c: &f32| (c - 1.0 / 3.0).abs() < 1e-6;
+        assert!(chances[..3].iter().all(third), "{chances:?}");
+    }
 }

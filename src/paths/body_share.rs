@@ -28,7 +28,7 @@ const LEAST_DISTANCE: f64 = 0.5;
 /// Of a wall's radius: the heights over it between which its field fades, and the distances at which
 /// it is met.
 const WALL_HEIGHTS: [f64; 2] = [0.1, 0.2];
-const WALL_DISTANCES: [f64; 2] = [0.125, 0.25];
+const WALL_DISTANCES: [f64; 2] = [0.25, 0.5];
 const LEAST_HEIGHT: f64 = 1e-6;
 
 /// A body's part in the field at one direction.

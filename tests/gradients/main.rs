@@ -38,5 +38,6 @@ mod standard_errors;
 mod transposition;
 mod transposition_ends;
 mod transposition_materials;
+mod walls;
 mod warped_claims;
 mod warped_transposition;

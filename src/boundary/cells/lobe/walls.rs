@@ -11,7 +11,7 @@ const MOST_PARTS: usize = 16;
 /// Up to this sine of an angle, and up to this part of their distance, triangles lie in one plane.
 const FLAT: f64 = 1e-4;
 /// A part that has less than this share of the largest one's area is no wall.
-const LEAST_AREA: f64 = 1.0 / 16.0;
+const LEAST_AREA: f64 = 0.25;
 /// Parallel planes that are nearer to each other than this part of their radius are one wall: two
 /// would carry directions twice as far.
 const APART: f64 = 0.2;
