@@ -111,13 +111,9 @@ fn line_of_one(search: &mut LobeSearch, lanes: u32, group: u32) {
     if lanes == 0 {
         return;
     }
-    let numbers = &search.at.numbers;
-    let chances = search
-        .scene
-        .surroundings()
-        .chances(search.at.surface.x, lanes);
-    let name = [numbers.index[0], numbers.depth, group];
-    let number = numbers.stream.single(Single::LobeLane, name);
+    let surroundings = search.scene.surroundings();
+    let chances = surroundings.chances(search.at.surface.x, lanes);
+    let number = number_of_group(search, group);
     let mut below = 0.0;
     let is_beyond = |&lane: &usize| {
         below += chances[lane];
@@ -129,13 +125,18 @@ fn line_of_one(search: &mut LobeSearch, lanes: u32, group: u32) {
     line_of_lane(search, lane, f64::from(chances[lane].recip()));
 }
 
+/// Says which lanes of one of the packet's groups look.
+fn number_of_group(search: &LobeSearch, group: u32) -> f32 {
+    let numbers = &search.at.numbers;
+    let name = [numbers.index[0], numbers.depth, group];
+    numbers.stream.single(Single::LobeLane, name)
+}
+
 /// Lines for so many of these lanes, which stand for all; `group` is one of the packet's.
 fn lines_of_some(search: &mut LobeSearch, lanes: u32, some: u32, group: u32) {
-    let numbers = &search.at.numbers;
     let count = lanes.count_ones();
     let some = some.min(count);
-    let name = [numbers.index[0], numbers.depth, group];
-    let start = f64::from(numbers.stream.single(Single::LobeLane, name));
+    let start = f64::from(number_of_group(search, group));
     let step = f64::from(count) / f64::from(some);
     let mut chosen = (0..some).map(|i| ((start + f64::from(i)) * step) as u32);
     let mut next = chosen.next();
