@@ -67,7 +67,7 @@ fn diagonal([low, high]: &[Vec3; 2]) -> f32 {
 mod tests {
     use super::*;
 
-    /// Lanes one after another farther from a plate, at a wall that is on no side of any.
+    /// Lanes one after another farther from a plate, all of them on a floor.
     #[test]
     fn who_is_near_looks() {
         let boxes = vec![

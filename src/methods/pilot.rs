@@ -34,9 +34,9 @@ const SAMPLES: [u32; 2] = [2, 16];
 /// Paths of one trial, at least, and the share that they have in the whole job's at least.
 const LEAST_PATHS: f64 = 16384.0;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
-/// What promises less than this over what is usual is not worth the risk of being misled; of
-/// differences, whose work is that of another program.
+/// What promises less than this over what is usual is not worth the risk of being misled.
 const WORTHWHILE: f64 = 1.2;
+/// And differences, whose work is compared worse, over the best of all else.
 const WORTHWHILE_DIFFERENCES: f64 = 1.4;
 
 /// What one may ask for.

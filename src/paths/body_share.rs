@@ -29,6 +29,7 @@ const LEAST_DISTANCE: f64 = 0.5;
 /// it is met.
 const WALL_HEIGHTS: [f64; 2] = [0.1, 0.2];
 const WALL_DISTANCES: [f64; 2] = [0.25, 0.5];
+/// What is lower, likewise, lies on it, and sees nothing of it above its horizon.
 const LEAST_HEIGHT: f64 = 1e-6;
 
 /// A body's part in the field at one direction.
@@ -141,7 +142,6 @@ fn across_to_wall(body: &Body, to: DVec3) -> Option<Option<DVec3>> {
     let normal = body.plane_normal()?;
     let height = normal.dot(to);
     let [_, highest] = WALL_HEIGHTS.map(|part| part * body.radius);
-    // On the wall itself nothing above the horizon meets it.
     let is_low = height.abs() < highest && height.abs() > LEAST_HEIGHT * body.radius;
     let follows = is_low && to.length_squared() < body.radius * body.radius;
     Some(follows.then(|| normal * height.signum()))
