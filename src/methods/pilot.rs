@@ -239,16 +239,13 @@ struct Trials<'a> {
 struct Tried {
     way: Contender,
     variance: f64,
+    work: f64,
     rays: BTreeMap<&'static str, u64>,
 }
 
 impl Tried {
-    fn work(&self) -> f64 {
-        work(self.way, &self.rays)
-    }
-
     fn cost(&self) -> f64 {
-        self.variance * self.work()
+        self.variance * self.work
     }
 }
 
@@ -271,9 +268,12 @@ impl Trials<'_> {
                 differences::forward(scene, workers, &settings, direction, &quiet)?
             }
         };
+        let environment = prepared.scene.environment.as_ref();
+        let has_map = environment.is_some_and(|e| e.map.is_some());
         self.done.push(Tried {
             way,
             variance: variance(&found),
+            work: work(way, &found.statistics.rays, has_map),
             rays: found.statistics.rays,
         });
         Ok(())
@@ -302,7 +302,7 @@ impl Trials<'_> {
         let trials = self.done.iter().map(|tried| Trial {
             way: tried.way.name(),
             variance: tried.variance,
-            work: tried.work(),
+            work: tried.work,
             efficiency: Some(usual / tried.cost()).filter(|by| by.is_finite()),
         });
         Pilot {
@@ -324,7 +324,7 @@ fn variance(found: &ForwardGradient) -> f64 {
 
 /// About the microseconds that rays take with all that is done about them, fitted to the failure
 /// battery (`docs/method.md`, 14); that of drawn edges is a guess.
-fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
+fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: bool) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
         (Contender::Differences, "camera") => 0.036,
         (Contender::Differences, _) => 0.07,
@@ -336,7 +336,14 @@ fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
         (Contender::Mixture(_), "edge") => 0.8,
         (Contender::Mixture(_), _) => 0.3,
     };
-    rays.iter().map(|(kind, n)| cost(kind) * *n as f64).sum()
+    // To draw from an environment map and to look it up.
+    let of_map = |kind: &str| match kind {
+        "shadow" | "bounce" | "probe" if has_map => 0.5,
+        _ => 0.0,
+    };
+    let rays = rays.iter();
+    rays.map(|(kind, n)| (cost(kind) + of_map(kind)) * *n as f64)
+        .sum()
 }
 
 /// Says nothing of how far it is.
