@@ -52,8 +52,9 @@ impl BodyShare {
     /// Of a body, not yet parted among bodies nor faded at the horizon. `None` where it is zero.
     pub fn new(body: &Body, number: usize, x: DVec3, d: DVec3) -> Option<Self> {
         let to = body.centre - x;
-        if let Some(across) = across_to_wall(body, to) {
-            return Self::of_wall(body, number, [to, across?, x], d);
+        if let Some(normal) = body.plane_normal() {
+            let across = across_to_wall(normal, body.radius, to)?;
+            return Self::of_wall(body, number, [to, across, x], d);
         }
         let distance = to.length();
         let whole = Self {
@@ -132,19 +133,18 @@ impl BodyShare {
 
 /// Whether some directions from x follow a body.
 pub fn is_followed_from(body: &Body, x: DVec3) -> bool {
-    across_to_wall(body, body.centre - x).is_none_or(|across| across.is_some())
+    let leads = |normal| across_to_wall(normal, body.radius, body.centre - x).is_some();
+    body.plane_normal().is_none_or(leads)
 }
 
 /// The unit direction to the plane of a wall whose middle is at `to` from x, if any direction follows
 /// the wall: x is low over it, and in the sphere around it, so that lines which meet that are known
-/// to meet all of its field. `None` if the body is no wall.
-fn across_to_wall(body: &Body, to: DVec3) -> Option<Option<DVec3>> {
-    let normal = body.plane_normal()?;
+/// to meet all of its field.
+fn across_to_wall(normal: DVec3, radius: f64, to: DVec3) -> Option<DVec3> {
     let height = normal.dot(to);
-    let [_, highest] = WALL_HEIGHTS.map(|part| part * body.radius);
-    let is_low = height.abs() < highest && height.abs() > LEAST_HEIGHT * body.radius;
-    let follows = is_low && to.length_squared() < body.radius * body.radius;
-    Some(follows.then(|| normal * height.signum()))
+    let is_low = height.abs() < WALL_HEIGHTS[1] * radius && height.abs() > LEAST_HEIGHT * radius;
+    let follows = is_low && to.length_squared() < radius * radius;
+    follows.then(|| normal * height.signum())
 }
 
 /// From zero at `from` to one at `to` and beyond, smoothly; and its slope.

@@ -77,6 +77,23 @@ pub fn gradient(scene: &Scene, settings: &Settings, direction: &Direction) -> Ve
     )
 }
 
+/// The variance between the gradients of runs with these seeds, summed over all numbers.
+pub fn variance(
+    scene: &Scene,
+    (method, spp): (Method, u32),
+    direction: &Direction,
+    seeds: std::ops::Range<u64>,
+) -> f64 {
+    let count = (seeds.end - seeds.start) as f64;
+    let of = |seed| gradient(scene, &settings(scene, method, spp, seed), direction);
+    let runs: Vec<Vec<f64>> = seeds.map(of).collect();
+    let of_number = |i: usize| {
+        let mean = runs.iter().map(|r| r[i]).sum::<f64>() / count;
+        runs.iter().map(|r| (r[i] - mean).powi(2)).sum::<f64>() / (count - 1.0)
+    };
+    (0..runs[0].len()).map(of_number).sum()
+}
+
 /// The gradient image by central differences of two sizes with common random numbers, its error in
 /// step² removed. `step` is along the direction.
 pub fn differences(

@@ -3,7 +3,7 @@
 use common::comparison::{Interior::Fails, check_to, lit};
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, gradient, settings};
+use common::{direction, variance};
 use glam::vec3;
 use warpath::methods::Method;
 use warpath::scene::{Filter, Scene};
@@ -36,26 +36,20 @@ fn transposition() {
     transposed(&thorns(GAUSSIAN), Method::Reparam, &[]);
 }
 
-/// Mean over pixels of the variance between runs.
-fn variance(scene: &Scene, seeds: std::ops::Range<u64>) -> f64 {
-    let along = direction(scene, &MOVED);
-    let count = (seeds.end - seeds.start) as f64;
-    let of = |seed| gradient(scene, &settings(scene, Method::Reparam, 64, seed), &along);
-    let runs: Vec<Vec<f64>> = seeds.map(of).collect();
-    let pixels = runs[0].len();
-    let of_pixel = |i: usize| {
-        let mean = runs.iter().map(|r| r[i]).sum::<f64>() / count;
-        runs.iter().map(|r| (r[i] - mean).powi(2)).sum::<f64>() / (count - 1.0)
-    };
-    (0..pixels).map(of_pixel).sum::<f64>() / pixels as f64
-}
-
 /// Over a filter that jumps the film cannot follow anything, which tells what following is worth.
 #[test]
 fn following_is_less_noise() {
     let [box_filter, smooth] = [BOX, GAUSSIAN].map(thorns);
+    let noise = |scene: &Scene, seeds| {
+        variance(
+            scene,
+            (Method::Reparam, 64),
+            &direction(scene, &MOVED),
+            seeds,
+        )
+    };
     let ratio: Vec<f64> = [1..7, 7..13, 13..19, 19..25]
-        .map(|seeds| variance(&box_filter, seeds.clone()) / variance(&smooth, seeds))
+        .map(|seeds| noise(&box_filter, seeds.clone()) / noise(&smooth, seeds))
         .into();
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 10.0), "{ratio:?}");

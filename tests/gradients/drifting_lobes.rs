@@ -7,7 +7,7 @@ use common::scenes::*;
 use common::shapes::Shape;
 use common::statistics::Agreement;
 use common::transposition::transposed;
-use common::{differences, direction, gradient, settings};
+use common::{differences, direction, gradient, settings, variance};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::Distribution::Ggx;
@@ -200,14 +200,8 @@ fn transposition() {
 fn its_noise_is_that_of_differences() {
     let scene = of_glass();
     let along = direction(&scene, &[MOVED]);
-    let variance = |method| {
-        let run = |seed| gradient(&scene, &settings(&scene, method, 64, seed), &along);
-        let runs: Vec<Vec<f64>> = (0..12).map(run).collect();
-        let mean = |i: usize| runs.iter().map(|r| r[i]).sum::<f64>() / 12.0;
-        let square = |i: usize| runs.iter().map(|r| (r[i] - mean(i)).powi(2)).sum::<f64>();
-        (0..runs[0].len()).map(square).sum::<f64>()
-    };
-    let [ours, differences] = [Method::Reparam, Method::Fd].map(variance);
+    let [ours, differences] =
+        [Method::Reparam, Method::Fd].map(|method| variance(&scene, (method, 64), &along, 0..12));
     println!("{ours} {differences}");
     assert!(ours < differences, "{ours} {differences}");
 }

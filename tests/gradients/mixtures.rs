@@ -228,6 +228,19 @@ fn it_does_what_it_says() {
     assert_eq!(flat(&done.gradient), flat(&again.gradient));
 }
 
+/// A lamp in a corner of the film has nearly all of the noise of differences, and cells have little.
+#[test]
+fn the_pilot_sees_all_of_a_small_film() {
+    let bright = placed(floor(0.08, 0.0), Vec3::ZERO, vec3(-0.7, 0.7, 0.3));
+    let sees_lamp = lit(floor_seen(48, GAUSSIAN)).light("bright", bright, [400.0; 3]);
+    let along = direction(&sees_lamp, &[("cam.translation", &MOVED)]);
+    let own = settings(&sees_lamp, Method::Auto, 64, 3);
+    let (_, pilot) =
+        decide(&sees_lamp, &own, &Question::Forward(&along), &Quiet).expect("a decision");
+    let of_differences = pilot.trials.last().and_then(|t| t.efficiency);
+    assert!(of_differences.is_some_and(|e| e < 0.2), "{pilot:?}");
+}
+
 /// Nothing is tried where there is nothing to choose, or where nothing but differences is right.
 #[test]
 fn it_says_why_nothing_is_tried() {

@@ -3,7 +3,7 @@
 use common::comparison::{Interior::Fails, check_to};
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, gradient, settings};
+use common::{direction, variance};
 use glam::vec3;
 use warpath::methods::Method;
 use warpath::scene::Scene;
@@ -51,26 +51,21 @@ fn transposition() {
     );
 }
 
-/// Mean over pixels of the variance between runs.
-fn variance(scene: &Scene, seeds: std::ops::Range<u64>) -> f64 {
-    let along = direction(scene, &WALL);
-    let count = (seeds.end - seeds.start) as f64;
-    let of = |seed| gradient(scene, &settings(scene, Method::Reparam, 64, seed), &along);
-    let runs: Vec<Vec<f64>> = seeds.map(of).collect();
-    let of_number = |i: usize| {
-        let mean = runs.iter().map(|r| r[i]).sum::<f64>() / count;
-        runs.iter().map(|r| (r[i] - mean).powi(2)).sum::<f64>() / (count - 1.0)
-    };
-    (0..runs[0].len()).map(of_number).sum::<f64>()
-}
-
 /// Beside a floor of many times its size, under everything, a wall is none that is followed.
 #[test]
 fn following_is_less_noise() {
     let alone = corner();
     let beside = corner().solid("ground", floor(20.0, -1.0), [0.0; 3]);
+    let noise = |scene: &Scene, seeds| {
+        variance(
+            scene,
+            (Method::Reparam, 64),
+            &direction(scene, &WALL),
+            seeds,
+        )
+    };
     let ratio: Vec<f64> = [1..9, 9..17, 17..25, 25..33]
-        .map(|seeds| variance(&beside, seeds.clone()) / variance(&alone, seeds))
+        .map(|seeds| noise(&beside, seeds.clone()) / noise(&alone, seeds))
         .into();
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 20.0), "{ratio:?}");
