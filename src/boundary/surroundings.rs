@@ -37,8 +37,23 @@ impl Surroundings {
         Self { boxes }
     }
 
-    /// Of each of these lanes, which are at `x`, the chance that it looks; they sum up to one.
-    pub fn chances(&self, x: V3<Lane>, lanes: u32) -> [f32; LANES] {
+    /// The one of these lanes, which are at `x`, that looks, drawn by a uniform number; and as how
+    /// many it counts. `None` if there are none.
+    pub fn draw(&self, x: V3<Lane>, lanes: u32, number: f32) -> Option<(usize, f64)> {
+        // By rounding all chances may sum up to less than the number.
+        let last = lanes.checked_ilog2()? as usize;
+        let chances = self.chances(x, lanes);
+        let mut below = 0.0;
+        let is_beyond = |&lane: &usize| {
+            below += chances[lane];
+            below > number
+        };
+        let lane = (0..last).find(is_beyond).unwrap_or(last);
+        Some((lane, f64::from(chances[lane]).recip()))
+    }
+
+    /// The chance of each; they sum up to one.
+    fn chances(&self, x: V3<Lane>, lanes: u32) -> [f32; LANES] {
         let zero = Lane::splat(0.0);
         let mut nearest = Lane::splat(f32::MAX);
         for around in &self.boxes {
@@ -97,6 +112,28 @@ mod tests {
             (nearness(0) / nearness(2) - 9.0).abs() < 1e-3,
             "{chances:?}"
         );
+    }
+
+    /// In the mean over numbers every lane counts once.
+    #[test]
+    fn all_count_once() {
+        let boxes = vec![[Vec3::new(-1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.1)]];
+        let surroundings = Surroundings { boxes };
+        let x = std::array::from_fn(|lane| 0.01 * (1.0 + lane as f32).powi(2));
+        let x = V3::new(Lane::new(x), Lane::splat(0.5), Lane::splat(0.0));
+        let lanes = !0b10 & (u32::MAX >> (32 - LANES));
+        let many = 100_000;
+        let mut counts = [0.0; LANES];
+        for i in 0..many {
+            let number = (i as f32 + 0.5) / many as f32;
+            let (lane, weight) = surroundings.draw(x, lanes, number).unwrap();
+            counts[lane] += weight / f64::from(many);
+        }
+        for (lane, count) in counts.into_iter().enumerate() {
+            let expected = f64::from(lanes >> lane & 1);
+            assert!((count - expected).abs() < 1e-2, "{lane}: {counts:?}");
+        }
+        assert_eq!(surroundings.draw(x, 0, 0.5), None);
     }
 
     /// Where nothing is outside of which a point lies, all look alike.

@@ -108,21 +108,12 @@ fn among_surfaces(search: &mut LobeSearch) {
 
 /// A line for one of these lanes, which stands for all; `group` is one of the packet's.
 fn line_of_one(search: &mut LobeSearch, lanes: u32, group: u32) {
-    if lanes == 0 {
-        return;
-    }
-    let surroundings = search.scene.surroundings();
-    let chances = surroundings.chances(search.at.surface.x, lanes);
     let number = number_of_group(search, group);
-    let mut below = 0.0;
-    let is_beyond = |&lane: &usize| {
-        below += chances[lane];
-        below > number
-    };
-    let drawn = (0..LANES).filter(|&l| lanes >> l & 1 == 1).find(is_beyond);
-    // By rounding all may sum up to less than one.
-    let lane = drawn.unwrap_or(lanes.ilog2() as usize);
-    line_of_lane(search, lane, f64::from(chances[lane].recip()));
+    let surroundings = search.scene.surroundings();
+    let drawn = surroundings.draw(search.at.surface.x, lanes, number);
+    if let Some((lane, weight)) = drawn {
+        line_of_lane(search, lane, weight);
+    }
 }
 
 /// Says which lanes of one of the packet's groups look.
