@@ -49,7 +49,7 @@ pub struct LobeDrift {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rests {
     pub diffuse: bool,
-    /// Of rough metal and glass.
+    /// Of rough metal, glass and plastic.
     pub rough: bool,
 }
 
@@ -105,7 +105,7 @@ impl LobeDrift {
     }
 
     /// The lanes whose triangle belongs to a mesh over whose lobes directions rest: diffuse ones,
-    /// and those of rough metal and glass.
+    /// and those of rough metal, glass and plastic.
     pub fn resting_lanes(&self, geometry: &Geometry, triangles: &[u32; LANES]) -> [u32; 2] {
         let mesh = |t: u32| geometry.mesh_of_triangle[t as usize] as usize;
         let mut lanes = [0; 2];

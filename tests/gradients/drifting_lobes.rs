@@ -161,6 +161,36 @@ fn a_dented_thing_of_paint() {
 }
 
 #[test]
+fn a_dented_thing_of_plastic() {
+    let scene = seen(|scene| scene.plastic("thing", Some(0.3)));
+    for part in [MOVED, BY_CAMERA] {
+        agrees(&scene, part, 512);
+    }
+    agrees(&seen(|scene| scene.plastic("thing", None)), MOVED, 512);
+}
+
+#[test]
+fn a_dented_thing_of_brushed_metal() {
+    let scene = seen(|scene| scene.brushed("thing", [0.2, 0.4], Ggx));
+    agrees(&scene, MOVED, 512);
+}
+
+#[test]
+fn a_dented_thing_with_a_relief() {
+    for bumps in [None, Some(0.05)] {
+        let turned = |paint: fn(Scene) -> Scene| seen(|s| paint(s).relief("thing", bumps));
+        agrees(&turned(|scene| scene), MOVED, 512);
+        agrees(&turned(|scene| scene.metal("thing", 0.3, Ggx)), MOVED, 512);
+        agrees(
+            &turned(|scene| scene.plastic("thing", Some(0.3))),
+            BY_CAMERA,
+            512,
+        );
+        agrees(&turned(|scene| scene.glass("thing", 0.3)), BY_CAMERA, 512);
+    }
+}
+
+#[test]
 fn a_ball_of_paint() {
     for part in [MOVED, BY_CAMERA] {
         agrees(&painted_ball(), part, 256);
@@ -191,7 +221,27 @@ fn transposition() {
     let metal = seen(|scene| scene.metal("thing", 0.1, Ggx));
     transposed(&metal, Method::Reparam, &[painted]);
     transposed(&seen(|scene| scene), Method::Reparam, &[]);
+    let plastic = seen(|scene| scene.plastic("thing", Some(0.2)));
+    transposed(&plastic, Method::Reparam, &[painted]);
+    let brushed = seen(|scene| scene.brushed("thing", [0.2, 0.4], Ggx));
+    let alpha = "thing.bsdf.alpha.value";
+    transposed(&brushed, Method::Reparam, &[painted, alpha]);
     transposed(&painted_ball(), Method::Reparam, &[]);
+}
+
+#[test]
+fn transposition_of_reliefs() {
+    let painted = "thing.bsdf.brdf_0.reflectance.value";
+    for bumps in [None, Some(0.05)] {
+        let turned = |paint: fn(Scene) -> Scene| seen(|s| paint(s).relief("thing", bumps));
+        transposed(&turned(|scene| scene), Method::Reparam, &[]);
+        let metal = turned(|scene| scene.metal("thing", 0.2, Ggx));
+        let plastic = turned(|scene| scene.plastic("thing", Some(0.2)));
+        let glass = turned(|scene| scene.glass("thing", 0.2));
+        for scene in [metal, plastic, glass] {
+            transposed(&scene, Method::Reparam, &[painted]);
+        }
+    }
 }
 
 /// Inside of glass a direction that turned with the normals would turn by many times as much at every

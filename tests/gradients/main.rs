@@ -13,6 +13,7 @@ mod detail;
 mod determinism;
 mod drifting_lobes;
 mod edges;
+mod fine_pictures;
 mod finite_differences;
 mod finite_differences_delta;
 mod finite_differences_foliage;

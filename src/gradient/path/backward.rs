@@ -369,7 +369,7 @@ impl BackwardSweep<'_> {
 
     /// The next direction, and what the path is multiplied with but for what a turned surface hides
     /// of itself.
-    fn unhidden_bounce(&self, here: &Solved) -> (V3<Lane>, V3<Lane>) {
+    pub(super) fn unhidden_bounce(&self, here: &Solved) -> (V3<Lane>, V3<Lane>) {
         let vertices = here.vertices;
         let Some(interface) = here.interface else {
             return (here.n, V3::splat(0.0));

@@ -101,3 +101,10 @@ pub(crate) struct TurningBars {
     pub direction: V3<Lane>,
     pub score: Lane,
 }
+
+/// One over the other where that is not zero, else zero.
+pub(crate) fn over(a: V3<Lane>, b: V3<Lane>) -> V3<Lane> {
+    let zero = Lane::splat(0.0);
+    let part = |a: Lane, b: Lane| <Lane as Real>::select(b.gt(zero), a / b, zero);
+    V3::new(part(a.x, b.x), part(a.y, b.y), part(a.z, b.z))
+}

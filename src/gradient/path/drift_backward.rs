@@ -1,13 +1,14 @@
 //! The backward sweep over bounces that drift (`paths::lobe_drift`).
 
 use crate::gradient::path::backward::{BackwardSweep, Solved};
-use crate::gradient::path::bars::VertexBars;
+use crate::gradient::path::bars::{Cotangent, VertexBars, over};
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::drift_body::BodyMotion;
 use crate::paths::lobe_drift::FieldBars;
-use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::rays::{from_lanes, lane_of, masked};
+use crate::paths::surface::kinds::LightKind;
 use glam::{DVec3, Vec3};
 
 impl BackwardSweep<'_> {
@@ -27,10 +28,20 @@ impl BackwardSweep<'_> {
         }
         let direction = direction_from_local(here.n, vertices.local);
         let change_bar = weight_bar.dot(vertices.weight).to_array();
+        let mut velocity_bar = direction_bar;
+        let uneven = vertices.drifts & vertices.kinds.uneven_below();
+        if uneven != 0 {
+            let sent = self.bsdf_evaluate(here, direction, LightKind::Diffuse);
+            let bar = over(weight_bar.times(vertices.weight), sent);
+            let bar = Cotangent::of_lanes(uneven, bar);
+            let none = &mut VertexBars::zero();
+            let w = self.bsdf_evaluate_backward(here, direction, LightKind::Diffuse, bar, none);
+            velocity_bar = velocity_bar + masked(uneven, w);
+        }
         let [mut x, mut turning] = [[Vec3::ZERO; LANES]; 2];
         for lane in (0..LANES).filter(|&l| vertices.drifts >> l & 1 == 1) {
             let d = lane_of(direction, lane).as_dvec3();
-            let bar = lane_of(direction_bar, lane).as_dvec3();
+            let bar = lane_of(velocity_bar, lane).as_dvec3();
             let found = self.carried(here, lane, d, (bar, change_bar[lane].into()), sums);
             x[lane] = sums.admitted(found.x).as_vec3();
             turning[lane] = sums.admitted(found.turning).as_vec3();

@@ -1,11 +1,13 @@
 //! The forward sweep over bounces that drift (`paths::lobe_drift`).
 
 use crate::discontinuity::boundary::{dvec3, vector};
+use crate::gradient::path::bars::over;
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, dual_lane, value_of};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
 use crate::lanes::{Dual, LANES, Lane, V3};
 use crate::paths::lobe_drift::LobeField;
-use crate::paths::rays::from_lanes;
+use crate::paths::rays::{from_lanes, masked};
+use crate::paths::surface::kinds::LightKind;
 use glam::{DVec3, Vec3};
 
 impl ForwardSweep<'_> {
@@ -16,7 +18,8 @@ impl ForwardSweep<'_> {
         direction: V3<D>,
         weight: V3<D>,
     ) -> (V3<D>, V3<D>) {
-        let drifts = here.vertices.drifts;
+        let vertices = here.vertices;
+        let drifts = vertices.drifts;
         if drifts == 0 {
             return (direction, weight);
         }
@@ -26,8 +29,16 @@ impl ForwardSweep<'_> {
             let moved = self.drift_velocity(here, lane, dual_lane(direction, lane));
             (velocity[lane], change[lane]) = (moved.0.as_vec3(), moved.1 as f32);
         }
-        let carried = tangent_of(direction) + from_lanes(&velocity);
-        let changed = tangent_of(weight) + value_of(weight) * Lane::new(change);
+        let velocity = from_lanes(&velocity);
+        let carried = tangent_of(direction) + velocity;
+        let mut changed = tangent_of(weight) + value_of(weight) * Lane::new(change);
+        let uneven = drifts & vertices.kinds.uneven_below();
+        if uneven != 0 {
+            let w = dual_vector(value_of(direction), velocity);
+            let sent = self.bsdf_evaluate(&here.still(), w, LightKind::Diffuse);
+            let relative = over(tangent_of(sent), value_of(sent));
+            changed = changed + masked(uneven, value_of(weight).times(relative));
+        }
         (
             dual_vector(value_of(direction), carried),
             dual_vector(value_of(weight), changed),

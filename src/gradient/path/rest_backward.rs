@@ -1,13 +1,13 @@
-//! The backward sweep over bounces in rough metal and glass that rest in the world; see
-//! `rest_forward`.
+//! The backward sweep over bounces in rough metal, glass and plastic that rest in the world;
+//! see `rest_forward`.
 
-use crate::adjoint::bsdf::bsdf_evaluate_glass_adjoint;
+use crate::adjoint::bsdf::{bsdf_evaluate_adjoint, bsdf_evaluate_glass_adjoint};
 use crate::adjoint::light::direction_irradiance_adjoint;
 use crate::gradient::path::backward::{BackwardSweep, Solved};
-use crate::gradient::path::bars::{Cotangent, VertexBars};
-use crate::kernels::bsdf::{bsdf_evaluate_glass, bsdf_sample};
+use crate::gradient::path::bars::{Cotangent, VertexBars, over};
+use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_evaluate, bsdf_evaluate_glass};
 use crate::kernels::light::direction_irradiance;
-use crate::lanes::{Lane, Real, V3};
+use crate::lanes::{Lane, V3};
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::surface::kinds::LightKind;
 
@@ -19,39 +19,66 @@ impl BackwardSweep<'_> {
             return;
         };
         let (n, direction, kinds) = (here.n, vertices.direction, vertices.kinds);
-        let masks = kinds.masks();
-        let none = self.view.transmission(vertices, n, vertices.local.z);
-        let lobes = vertices.lobes.masks();
-        let (w, _) = bsdf_sample(n, direction, vertices.local, interface, none, lobes, masks);
+        let (masks, none) = (kinds.masks(), RoughTransmission::none());
+        let (w, _) = self.unhidden_bounce(here);
         let brings = weight_bar.value.times(vertices.weight);
         let glass = weight_bar.bits & kinds.dielectric;
         if glass != 0 {
             let is_glass = lane_mask(glass);
             let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, masks);
-            let bar = masked(glass, over(brings, sent));
+            let bar = self.of_unhidden(here, (w, sent), (glass, brings), bars);
             let (n_bar, direction_bar, _, s_bar) =
                 bsdf_evaluate_glass_adjoint(n, direction, w, interface, is_glass, masks, bar);
             bars.n = bars.n + masked(glass, n_bar);
             bars.direction = bars.direction + masked(glass, direction_bar);
             bars.add_interface(glass, &s_bar);
         }
-        let metal = weight_bar.bits & !kinds.dielectric;
+        let coat = weight_bar.bits & kinds.plastic;
+        if coat != 0 {
+            // What lies below has a lobe of its own.
+            let reflectance = V3::splat(0.0);
+            let interface = Interface {
+                reflectance,
+                ..interface
+            };
+            let (has_lobe, irradiance) = (lane_mask(coat), direction_irradiance(n, w));
+            let value = bsdf_evaluate(n, direction, w, interface, none, masks, has_lobe);
+            let bar = self.of_unhidden(here, (w, value * irradiance), (coat, brings), bars);
+            let all = masked(coat, bar.times(value));
+            let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
+            bars.n = bars.n + masked(coat, n_bar);
+            let bar = masked(coat, bar * irradiance);
+            let (n_bar, direction_bar, _, mut s_bar, _) =
+                bsdf_evaluate_adjoint(n, direction, w, interface, none, masks, has_lobe, bar);
+            s_bar.reflectance = reflectance;
+            bars.n = bars.n + masked(coat, n_bar);
+            bars.direction = bars.direction + masked(coat, direction_bar);
+            bars.add_interface(coat, &s_bar);
+        }
+        let metal = weight_bar.bits & !(kinds.dielectric | kinds.plastic);
         if metal != 0 {
             let value = self.bsdf_evaluate(here, w, LightKind::Delta);
             let irradiance = direction_irradiance(n, w);
             let bar = over(brings, value * irradiance);
-            let all = bar.times(value);
+            let all = masked(metal, bar.times(value));
             let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
             bars.n = bars.n + masked(metal, n_bar);
             let value_bar = Cotangent::of_lanes(metal, bar * irradiance);
             self.bsdf_evaluate_backward(here, w, LightKind::Delta, value_bar, bars);
         }
     }
-}
 
-/// One over the other where that is not zero, else zero.
-fn over(a: V3<Lane>, b: V3<Lane>) -> V3<Lane> {
-    let zero = Lane::splat(0.0);
-    let part = |a: Lane, b: Lane| <Lane as Real>::select(b.gt(zero), a / b, zero);
-    V3::new(part(a.x, b.x), part(a.y, b.y), part(a.z, b.z))
+    /// The cotangent of what would be sent along `w` if a turned surface hid nothing of itself, in
+    /// some lanes; `brings` is the cotangent of the logarithm of what is sent.
+    fn of_unhidden(
+        &self,
+        here: &Solved,
+        (w, value): (V3<Lane>, V3<Lane>),
+        (bits, brings): (u32, V3<Lane>),
+        bars: &mut VertexBars,
+    ) -> V3<Lane> {
+        let bar = masked(bits, over(brings, self.shown(here, w, value)));
+        let bar = Cotangent { bits, value: bar };
+        self.shown_backward(here, (w, value), bar, bars).1
+    }
 }

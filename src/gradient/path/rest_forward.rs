@@ -1,5 +1,5 @@
-//! The forward sweep over bounces in rough metal and glass that rest in the world: what the lobe
-//! sends along them changes, and the density that they were drawn with does not.
+//! The forward sweep over bounces in rough metal, glass and plastic that rest in the world: what the
+//! lobe sends along them changes, and the density that they were drawn with does not.
 
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, value_of};
 use crate::gradient::scene::forward::dual_vector;
@@ -45,17 +45,28 @@ impl ForwardSweep<'_> {
         )
     }
 
-    /// What rough metal and glass send of a beam from `w`, but for a factor.
+    /// What the lobes of rough metal, glass and plastic send of a beam from `w`, but for a factor.
     fn sent(&self, here: &MovingVertex, interface: &Interface<D>, w: V3<D>) -> V3<D> {
         let kinds = here.vertices.kinds;
-        let metal = self.bsdf_evaluate(here, w, LightKind::Delta) * direction_irradiance(here.n, w);
+        let is_plastic = lane_mask(kinds.plastic);
+        // What lies below has a lobe of its own.
+        let reflectance = V3::select(is_plastic, V3::splat(0.0), interface.reflectance);
+        let coat = MovingVertex {
+            interface: Some(Interface {
+                reflectance,
+                ..*interface
+            }),
+            ..*here
+        };
+        let reflected =
+            self.bsdf_evaluate(&coat, w, LightKind::Delta) * direction_irradiance(here.n, w);
         if kinds.dielectric == 0 {
-            return metal;
+            return reflected;
         }
         let (is_glass, masks) = (lane_mask(kinds.dielectric), kinds.masks());
         let glass =
             bsdf_evaluate_glass::<D>(here.n, here.direction, w, *interface, is_glass, masks);
-        V3::select(is_glass, glass, metal)
+        V3::select(is_glass, self.shown(here, w, glass), reflected)
     }
 
     /// A direction over a lobe in which a border is seen, likewise.

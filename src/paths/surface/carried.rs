@@ -18,8 +18,8 @@ impl SceneView<'_> {
         at_last: bool,
     ) -> u32 {
         let (kinds, lobes) = (vertices.kinds, vertices.lobes);
-        let plain = vertices.hit & !(kinds.relief | kinds.black | kinds.layered());
-        let mut diffuse = plain & lobes.diffuse & !kinds.special();
+        let plain = vertices.hit & !(kinds.black | kinds.principled);
+        let mut diffuse = plain & lobes.diffuse & (!kinds.special() | kinds.plastic);
         if at_last {
             // What the last bounces of diffuse lobes find are lights, which have coordinates of
             // their own, and an even sky.
@@ -28,10 +28,10 @@ impl SceneView<'_> {
         if !drift.any_moves() {
             diffuse &= vertices.moves;
         }
-        // Rough metal and glass, whose value is known toward any direction.
-        let metal = kinds.conductor & lobes.reflected;
-        let glass = kinds.dielectric & (lobes.reflected | lobes.refracted);
-        let rough = plain & (metal | glass) & !(kinds.smooth | kinds.thin);
+        // Rough metal, glass and plastic, whose value is known toward any direction.
+        let coat = (kinds.conductor | kinds.plastic) & lobes.reflected;
+        let glass = kinds.dielectric & !kinds.grained & (lobes.reflected | lobes.refracted);
+        let rough = plain & (coat | glass) & !(kinds.smooth | kinds.thin);
         let resting = drift.resting_lanes(self.geometry, &vertices.triangle);
         let is_followed = |&lane: &usize| {
             let x = lane_of(surface.x, lane).as_dvec3();

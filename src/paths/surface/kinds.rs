@@ -57,6 +57,11 @@ impl Kinds {
         self.principled | self.grained
     }
 
+    /// Lanes of which the part of the light that is scattered diffusely depends on the direction.
+    pub fn uneven_below(&self) -> u32 {
+        self.plastic | self.relief
+    }
+
     /// Lanes that see the world along a deterministic map of the ray, at least in part.
     pub fn in_chains(&self) -> u32 {
         self.smooth | self.null | self.mixed

@@ -9,7 +9,7 @@
 //! Elsewhere the node rests. The few borders there are found for sure, and an image's noise would be
 //! worse than theirs.
 
-use super::detail;
+use super::{detail, pictures};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::kernels::triangle::triangle_hit;
@@ -21,6 +21,7 @@ use crate::paths::random::Stream;
 use crate::paths::rays::from_lanes;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -34,10 +35,15 @@ const MANY: usize = 3;
 pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
     let pieces = scene.pieces();
     let meshes = 0..scene.view.scene.meshes.len();
-    let may_hide = |mesh| scene.moving.moves_mesh(mesh) && pieces.may_hide_itself(mesh as u32);
+    let asks_for_detail = asks_for_detail(scene);
+    let has_detail = |mesh| {
+        scene.moving.moves_mesh(mesh)
+            && ((asks_for_detail && pieces.may_hide_itself(mesh as u32))
+                || pictures::has_any(scene.view.scene, mesh))
+    };
     let may = scene.view.materials.any_special
         || pieces.count() + 1 >= MANY
-        || (asks_for_detail(scene) && meshes.into_iter().any(may_hide))
+        || meshes.into_iter().any(has_detail)
         || follows_all(scene);
     if !film.filter.is_continuous() || !may {
         return None;
@@ -68,24 +74,31 @@ struct Pilot<'a> {
     per_pixel: f64,
 }
 
+/// What a node's rays hit.
+pub struct Hit {
+    pub lane: usize,
+    pub triangle: u32,
+    pub mesh: u32,
+    /// In lengths of the ray's direction.
+    pub distance: f64,
+    /// Of the triangle's second and third corner.
+    pub barycentrics: [f64; 2],
+    pub moves: bool,
+}
+
 /// What a node follows.
 fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
-    let Pilot {
-        scene,
-        grid,
-        ref stream,
-        per_pixel,
-    } = *pilot;
+    let Pilot { scene, grid, .. } = *pilot;
     if grid.is_rim(node) {
         return Vec::new();
     }
-    let SearchScene { view, moving, .. } = *scene;
+    let view = scene.view;
     let camera = &view.camera;
     let middle = grid.position(node);
     let points: [[f64; 2]; LANES] = std::array::from_fn(|point| {
         [0, 1].map(|i| {
             let name = [node as u32, point as u32, i as u32];
-            let random = f64::from(stream.single(Single::DriftPoint, name));
+            let random = f64::from(pilot.stream.single(Single::DriftPoint, name));
             middle[i] + (2.0 * random - 1.0) * grid.spacing[i]
         })
     });
@@ -96,45 +109,73 @@ fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
     );
     let geometry = view.geometry;
     let seen = view.intersect(&rays, Coherence::Coherent);
-    let sees_many = follows_all(scene) || sees_many(scene, &seen);
-    let mesh = |l: usize| geometry.mesh_of_triangle[seen[l] as usize];
-    let moves = |&l: &usize| moving.moves_mesh(mesh(l) as usize);
-    let hit: Vec<usize> = (0..LANES).filter(|&l| seen[l] != NO_TRIANGLE).collect();
-    let may_hide = |l: &&usize| moves(l) && scene.pieces().may_hide_itself(mesh(**l));
-    let detailed = if sees_many || !asks_for_detail(scene) {
-        BTreeSet::new()
-    } else {
-        let asked = detail::Seen {
-            node,
-            per_pixel,
-            directions: &directions,
-            triangles: &seen,
-            lanes: hit.iter().filter(may_hide).fold(0, |b, l| b | 1 << l),
-        };
-        detail::meshes(scene, stream, &asked)
-    };
-    let is_followed =
-        |&l: &usize| sees_many || is_special(scene, seen[l]) || detailed.contains(&mesh(l));
-    let lanes: Vec<usize> = hit.into_iter().filter(is_followed).collect();
-    if !lanes.iter().any(moves) {
-        return Vec::new();
-    }
-    let share = 1.0 / lanes.len() as f64;
-    let follow = |&l: &usize| {
-        let triangle = geometry.triangles[seen[l] as usize];
-        let [v0, v1, v2] = triangle.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
+    let hit = |lane: usize| {
+        let triangle = seen[lane];
+        let corners = geometry.triangles[triangle as usize];
+        let [v0, v1, v2] = corners.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
         let origin = vector(camera.origin.as_dvec3());
-        let (_, b1, b2) = triangle_hit(origin, vector(directions[l]), v0, v1, v2);
-        Followed {
+        let (distance, b1, b2) = triangle_hit(origin, vector(directions[lane]), v0, v1, v2);
+        let mesh = geometry.mesh_of_triangle[triangle as usize];
+        Hit {
+            lane,
             triangle,
-            barycentrics: [1.0 - b1 - b2, b1, b2],
-            at: points[l],
-            share,
+            mesh,
+            distance,
+            barycentrics: [b1, b2],
+            moves: scene.moving.moves_mesh(mesh as usize),
         }
     };
-    let all = lanes.iter().map(follow);
-    all.filter(|f| f.barycentrics.iter().all(|b| b.is_finite()))
-        .collect()
+    let met = (0..LANES).filter(|&l| seen[l] != NO_TRIANGLE).map(hit);
+    let met = met.filter(|h| h.distance.is_finite()).collect();
+    let hits = worth_following(pilot, node, &directions, met);
+    if !hits.iter().any(|h| h.moves) {
+        return Vec::new();
+    }
+    let follow = |hit: &Hit| {
+        let [b1, b2] = hit.barycentrics;
+        Followed {
+            triangle: geometry.triangles[hit.triangle as usize],
+            barycentrics: [1.0 - b1 - b2, b1, b2],
+            at: points[hit.lane],
+            share: 1.0 / hits.len() as f64,
+        }
+    };
+    hits.iter().map(follow).collect()
+}
+
+/// Those of a node's hits that it follows.
+fn worth_following(
+    pilot: &Pilot,
+    node: usize,
+    directions: &[DVec3; LANES],
+    hits: Vec<Hit>,
+) -> Vec<Hit> {
+    let scene = pilot.scene;
+    let materials = &scene.view.materials;
+    let is_special =
+        |h: &Hit| materials.is_special(scene.view.scene.meshes[h.mesh as usize].material);
+    let is_special_and_moves = |h: &Hit| h.moves && is_special(h);
+    if hits.iter().any(is_special_and_moves) {
+        return hits.into_iter().filter(is_special_and_moves).collect();
+    }
+    if follows_all(scene) || sees_many(scene, &hits) {
+        return hits;
+    }
+    let mut meshes = pictures::meshes(scene, &hits);
+    if asks_for_detail(scene) {
+        meshes.append(&mut detail::meshes(
+            scene,
+            &detail::Looks {
+                stream: &pilot.stream,
+                node,
+                per_pixel: pilot.per_pixel,
+                directions,
+            },
+            &hits,
+        ));
+    }
+    let is_followed = |h: &Hit| is_special(h) || meshes.contains(&h.mesh);
+    hits.into_iter().filter(is_followed).collect()
 }
 
 /// Whether all nodes follow all that they hit.
@@ -153,17 +194,13 @@ fn asks_for_detail(scene: &SearchScene) -> bool {
 }
 
 /// Whether these are of many pieces.
-fn sees_many(scene: &SearchScene, triangles: &[u32; LANES]) -> bool {
+fn sees_many(scene: &SearchScene, hits: &[Hit]) -> bool {
     let pieces = scene.pieces();
-    let piece = |&triangle: &u32| {
-        let triangle = scene.view.geometry.triangles.get(triangle as usize);
-        triangle.map(|t| pieces.number(t[0]))
+    let piece = |hit: &Hit| {
+        let triangle = scene.view.geometry.triangles[hit.triangle as usize];
+        pieces.number(triangle[0])
     };
-    triangles.iter().map(piece).collect::<BTreeSet<_>>().len() >= MANY
-}
-
-fn is_special(scene: &SearchScene, triangle: u32) -> bool {
-    let view = scene.view;
-    let mesh = view.geometry.mesh_of_triangle[triangle as usize] as usize;
-    view.materials.is_special(view.scene.meshes[mesh].material)
+    let seen: BTreeSet<u32> = hits.iter().map(piece).collect();
+    let void = usize::from(hits.len() < LANES);
+    seen.len() + void >= MANY
 }

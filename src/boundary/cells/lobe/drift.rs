@@ -12,6 +12,7 @@
 //! diffuse lobe it is so little that directions rest over all that is curved: in a furnished room a
 //! ball that moves has a quarter of the variance.
 
+use super::relief;
 use super::walls::walls;
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::drift_body::Body;
@@ -51,9 +52,12 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
     };
     let walls = walls(scene, meshes.clone().filter(is_plain));
     let bodies = meshes.flat_map(|m| bodies_of(scene, m, crowds[m], details_rad[m]));
-    let rests = details_rad.iter().map(|&detail| Rests {
-        diffuse: detail > CURVED_RAD,
-        rough: detail > DETAIL_RAD,
+    let rests = details_rad.iter().enumerate().map(|(m, &shape)| {
+        let detail = shape + half_diagonal(geometry, m) * relief::turn_rad_per_length(scene, m);
+        Rests {
+            diffuse: detail > CURVED_RAD,
+            rough: detail > DETAIL_RAD,
+        }
     });
     LobeDrift::new(
         [bodies.collect(), walls],
@@ -136,13 +140,6 @@ fn detail_rad(geometry: &Geometry, mesh: usize) -> f64 {
     if !geometry.smooth[mesh] {
         return 0.0;
     }
-    let vertices = geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
-    let all = geometry.positions[vertices].iter();
-    let low = all.clone().copied().reduce(|a, b| a.min(b));
-    let high = all.copied().reduce(|a, b| a.max(b));
-    let (Some(low), Some(high)) = (low, high) else {
-        return 0.0;
-    };
     let triangles =
         geometry.first_triangle[mesh] as usize..geometry.first_triangle[mesh + 1] as usize;
     let [mut area, mut turn] = [0.0f64; 2];
@@ -157,5 +154,15 @@ fn detail_rad(geometry: &Geometry, mesh: usize) -> f64 {
             turn += own * per_length;
         }
     }
-    0.5 * f64::from(low.distance(high)) * turn / area.max(f64::MIN_POSITIVE)
+    half_diagonal(geometry, mesh) * turn / area.max(f64::MIN_POSITIVE)
+}
+
+/// Of a mesh's box.
+fn half_diagonal(geometry: &Geometry, mesh: usize) -> f64 {
+    let vertices = geometry.first_vertex[mesh] as usize..geometry.first_vertex[mesh + 1] as usize;
+    let all = geometry.positions[vertices].iter().copied();
+    let low = all.clone().reduce(|a, b| a.min(b));
+    let high = all.reduce(|a, b| a.max(b));
+    low.zip(high)
+        .map_or(0.0, |(low, high)| 0.5 * f64::from(low.distance(high)))
 }

@@ -7,6 +7,7 @@ pub mod families;
 pub mod line;
 mod met;
 pub mod packet;
+mod relief;
 mod rims;
 pub mod search;
 mod shadows;
