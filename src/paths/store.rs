@@ -158,7 +158,7 @@ impl Vertices {
             .map_or(self.throughput, |choice| choice.arriving)
     }
 
-    /// Lanes of rough metal and glass whose next directions rest in the world.
+    /// Lanes of rough metal, glass and plastic whose next directions rest in the world.
     pub fn resting_lobes(&self) -> u32 {
         self.rests & !self.drifts
     }

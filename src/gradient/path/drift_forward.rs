@@ -2,8 +2,11 @@
 
 use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::bars::over;
-use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, dual_lane, value_of};
+use crate::gradient::path::forward::{
+    D, ForwardSweep, MovingVertex, constant, dual_lane, value_of,
+};
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
+use crate::kernels::bsdf::Interface;
 use crate::lanes::{Dual, LANES, Lane, V3};
 use crate::paths::lobe_drift::LobeField;
 use crate::paths::rays::{from_lanes, masked};
@@ -80,5 +83,33 @@ impl ForwardSweep<'_> {
         }
         let (velocity, _) = self.drift_velocity(here, lane, direction);
         direction + dual_vector(V3::splat(0.0), vector(velocity))
+    }
+}
+
+impl MovingVertex<'_> {
+    /// The same with nothing moving.
+    fn still(&self) -> Self {
+        let vector = |v: V3<D>| dual_vector(value_of(v), V3::splat(0.0));
+        let number = |d: D| constant(d.value);
+        Self {
+            x: vector(self.x),
+            n: vector(self.n),
+            base_n: vector(self.base_n),
+            corners: self.corners.map(vector),
+            b: self.b.map(number),
+            direction: vector(self.direction),
+            throughput: vector(self.throughput),
+            diffuse_reflectance: vector(self.diffuse_reflectance),
+            interface: self.interface.map(|s| Interface {
+                reflectance: vector(s.reflectance),
+                second_reflectance: vector(s.second_reflectance),
+                eta: vector(s.eta),
+                k: vector(s.k),
+                alpha: number(s.alpha),
+            }),
+            // Diffuse lobes of layers do not drift.
+            layers: None,
+            vertices: self.vertices,
+        }
     }
 }

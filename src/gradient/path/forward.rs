@@ -72,34 +72,6 @@ pub(crate) struct MovingVertex<'a> {
     pub layers: Option<Layers<D>>,
 }
 
-impl MovingVertex<'_> {
-    /// The same with nothing moving.
-    pub fn still(&self) -> Self {
-        let vector = |v: V3<D>| dual_vector(value_of(v), V3::splat(0.0));
-        let number = |d: D| constant(d.value);
-        Self {
-            x: vector(self.x),
-            n: vector(self.n),
-            base_n: vector(self.base_n),
-            corners: self.corners.map(vector),
-            b: self.b.map(number),
-            direction: vector(self.direction),
-            throughput: vector(self.throughput),
-            diffuse_reflectance: vector(self.diffuse_reflectance),
-            interface: self.interface.map(|s| Interface {
-                reflectance: vector(s.reflectance),
-                second_reflectance: vector(s.second_reflectance),
-                eta: vector(s.eta),
-                k: vector(s.k),
-                alpha: number(s.alpha),
-            }),
-            // Diffuse lobes of layers do not drift.
-            layers: None,
-            vertices: self.vertices,
-        }
-    }
-}
-
 impl<'a> ForwardSweep<'a> {
     pub fn new(
         view: &'a SceneView<'a>,

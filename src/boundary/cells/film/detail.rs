@@ -7,7 +7,7 @@
 //! image's noise brings while its filter slides, in proportion to one over a pixel, and is less
 //! where r is some pixels or less.
 
-use super::drift::Hit;
+use super::node_hit::Hit;
 use crate::boundary::search_scene::SearchScene;
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::LANES;

@@ -9,6 +9,7 @@
 //! Elsewhere the node rests. The few borders there are found for sure, and an image's noise would be
 //! worse than theirs.
 
+use super::node_hit::Hit;
 use super::{detail, pictures};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{dvec3, vector};
@@ -72,18 +73,6 @@ struct Pilot<'a> {
     stream: Stream,
     /// Samples of a group along a pixel.
     per_pixel: f64,
-}
-
-/// What a node's rays hit.
-pub struct Hit {
-    pub lane: usize,
-    pub triangle: u32,
-    pub mesh: u32,
-    /// In lengths of the ray's direction.
-    pub distance: f64,
-    /// Of the triangle's second and third corner.
-    pub barycentrics: [f64; 2],
-    pub moves: bool,
 }
 
 /// What a node follows.

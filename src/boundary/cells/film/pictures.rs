@@ -5,7 +5,7 @@
 //! what an image's noise brings while its filter slides, which is as if all changed by about
 //! itself from pixel to pixel.
 
-use super::drift::Hit;
+use super::node_hit::Hit;
 use crate::boundary::search_scene::SearchScene;
 use crate::paths::surface::interface::texture_at;
 use crate::scene::{Layout, Scene};

@@ -22,7 +22,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// The mean turn of a mesh's normals over half its size from which it is full of detail; a ball's
-/// is 1.7. Over these also the directions of rough metal and glass rest.
+/// is 1.7. Over these also the directions of rough metal, glass and plastic rest.
 const DETAIL_RAD: f64 = 3.0;
 /// The same from which it is curved: points on it slide near its outline and its normal turns there.
 const CURVED_RAD: f64 = 1.0;
