@@ -26,6 +26,8 @@ use std::collections::BTreeMap;
 const DETAIL_RAD: f64 = 3.0;
 /// The same from which it is curved: points on it slide near its outline and its normal turns there.
 const CURVED_RAD: f64 = 1.0;
+/// Facets of something curved meet at less than that.
+const MOST_BEND_RAD: f64 = 0.5;
 /// So many pieces of a mesh are a crowd...
 const CROWD: usize = 16;
 /// ...unless one of them has more than one in so many of its triangles.
@@ -45,7 +47,7 @@ pub fn find(scene: &SearchScene) -> Option<LobeDrift> {
     let geometry = view.geometry;
     let meshes = 0..geometry.smooth.len();
     let crowds: Vec<bool> = meshes.clone().map(|m| is_crowd(scene, m)).collect();
-    let details_rad: Vec<f64> = meshes.clone().map(|m| detail_rad(geometry, m)).collect();
+    let details_rad: Vec<f64> = meshes.clone().map(|m| detail_rad(scene, m)).collect();
     let is_plain = |&m: &usize| {
         let is_special = view.materials.is_special(view.scene.meshes[m].material);
         !(crowds[m] || is_special || details_rad[m] > CURVED_RAD)
@@ -134,27 +136,58 @@ fn body(scene: &SearchScene, triangles: &[[u32; 3]]) -> Option<Body> {
     Body::new(vertices, position, (centre, radius), [moves, is_ball])
 }
 
-/// By how much the shading normals of a mesh turn over half the diagonal of its box, in the mean over
-/// its surface. Zero without shading normals: what turns then are edges.
-fn detail_rad(geometry: &Geometry, mesh: usize) -> f64 {
-    if !geometry.smooth[mesh] {
-        return 0.0;
-    }
-    let triangles =
-        geometry.first_triangle[mesh] as usize..geometry.first_triangle[mesh + 1] as usize;
+/// By how much the normals of a mesh turn over half the diagonal of its box, in the mean over its
+/// surface.
+fn detail_rad(scene: &SearchScene, mesh: usize) -> f64 {
+    let geometry = scene.view.geometry;
+    let triangles = geometry.first_triangle[mesh]..geometry.first_triangle[mesh + 1];
+    let turn_times_area = if geometry.smooth[mesh] {
+        shading_turn
+    } else {
+        facets_turn
+    };
     let [mut area, mut turn] = [0.0f64; 2];
-    for corners in &geometry.triangles[triangles] {
-        let p = corners.map(|v| geometry.positions[v as usize].as_dvec3());
-        let n = corners.map(|v| geometry.normals[v as usize].as_dvec3());
-        let own = (p[1] - p[0]).cross(p[2] - p[0]).length();
-        let along = |i: usize| n[i].distance(n[(i + 1) % 3]) / p[i].distance(p[(i + 1) % 3]);
-        let per_length = (0..3).map(along).sum::<f64>() / 3.0;
-        if per_length.is_finite() {
+    for triangle in triangles {
+        let [p, q, r] = corners(geometry, triangle);
+        let own = 0.5 * (q - p).cross(r - p).length();
+        let turned = turn_times_area(scene, triangle, own);
+        if turned.is_finite() {
             area += own;
-            turn += own * per_length;
+            turn += turned;
         }
     }
     half_diagonal(geometry, mesh) * turn / area.max(f64::MIN_POSITIVE)
+}
+
+fn corners(geometry: &Geometry, triangle: u32) -> [DVec3; 3] {
+    geometry.triangles[triangle as usize].map(|v| geometry.positions[v as usize].as_dvec3())
+}
+
+/// What shading normals turn by over a length, times the triangle's area.
+fn shading_turn(scene: &SearchScene, triangle: u32, area: f64) -> f64 {
+    let geometry = scene.view.geometry;
+    let p = corners(geometry, triangle);
+    let ids = geometry.triangles[triangle as usize];
+    let n = ids.map(|v| geometry.normals[v as usize].as_dvec3());
+    let along = |i: usize| n[i].distance(n[(i + 1) % 3]) / p[i].distance(p[(i + 1) % 3]);
+    area * (0..3).map(along).sum::<f64>() / 3.0
+}
+
+/// The same of facets, which turn at their edges: half of the mean curvature's integral is an
+/// edge's angle times its length, of which either triangle has half. Where they turn by more at
+/// once a shape is not curved but has edges.
+fn facets_turn(scene: &SearchScene, triangle: u32, _: f64) -> f64 {
+    let geometry = scene.view.geometry;
+    let p = corners(geometry, triangle);
+    let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize();
+    let bend = |corner: usize| {
+        let across = scene.adjacency.across(triangle, corner)?;
+        let side = if across.flipped { -1.0 } else { 1.0 };
+        let cos = side * normal(p).dot(normal(corners(geometry, across.triangle)));
+        let angle = cos.clamp(-1.0, 1.0).acos();
+        (angle < MOST_BEND_RAD).then(|| angle * p[corner].distance(p[(corner + 1) % 3]))
+    };
+    0.25 * (0..3).filter_map(bend).sum::<f64>()
 }
 
 /// Of a mesh's box.
