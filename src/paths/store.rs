@@ -1,6 +1,7 @@
 //! What is kept of each path, so that the sweeps trace no ray.
 
 use crate::kernels::bsdf::LobeMasks;
+use crate::kernels::layered::LitMasks;
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
@@ -138,6 +139,16 @@ impl Lobes {
     /// Of one lane.
     pub fn masks_of_lane<F: Real<Mask = bool>>(&self, lane: usize) -> LobeMasks<F> {
         self.map(|bits| bits >> lane & 1 == 1)
+    }
+
+    /// Which lobes of layered surfaces to light for each lane's lobe, and for all but that: what is
+    /// scattered diffusely is lit with both.
+    pub fn lit_alone<F: Real<Mask = <Lane as Real>::Mask>>(&self) -> [LitMasks<F>; 2] {
+        let lit = |has_lobe, has_coat| LitMasks {
+            has_lobe: lane_mask(has_lobe),
+            has_coat: lane_mask(has_coat),
+        };
+        [lit(!self.coat, self.coat), lit(0, 0)]
     }
 
     fn map<F: Real>(&self, mask: impl Fn(u32) -> F::Mask) -> LobeMasks<F> {

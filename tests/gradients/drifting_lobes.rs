@@ -170,6 +170,16 @@ fn a_dented_thing_of_plastic() {
 }
 
 #[test]
+fn a_dented_thing_of_layers() {
+    let scene = seen(|scene| scene.layers("thing", 0.3));
+    for part in [MOVED, BY_CAMERA] {
+        agrees(&scene, part, 512);
+    }
+    let clear = seen(|scene| scene.clear_layers("thing", 0.3));
+    agrees(&clear, BY_CAMERA, 512);
+}
+
+#[test]
 fn a_dented_thing_of_brushed_metal() {
     let scene = seen(|scene| scene.brushed("thing", [0.2, 0.4], Ggx));
     agrees(&scene, MOVED, 512);
@@ -187,6 +197,7 @@ fn a_dented_thing_with_a_relief() {
             512,
         );
         agrees(&turned(|scene| scene.glass("thing", 0.3)), BY_CAMERA, 512);
+        agrees(&turned(|scene| scene.layers("thing", 0.3)), MOVED, 512);
     }
 }
 
@@ -224,6 +235,8 @@ fn transposition() {
     let plastic = seen(|scene| scene.plastic("thing", Some(0.2)));
     transposed(&plastic, Method::Reparam, &[painted]);
     let brushed = seen(|scene| scene.brushed("thing", [0.2, 0.4], Ggx));
+    let layers = seen(|scene| scene.layers("thing", 0.2));
+    transposed(&layers, Method::Reparam, &[painted]);
     let alpha = "thing.bsdf.alpha.value";
     transposed(&brushed, Method::Reparam, &[painted, alpha]);
     transposed(&painted_ball(), Method::Reparam, &[]);
@@ -238,7 +251,8 @@ fn transposition_of_reliefs() {
         let metal = turned(|scene| scene.metal("thing", 0.2, Ggx));
         let plastic = turned(|scene| scene.plastic("thing", Some(0.2)));
         let glass = turned(|scene| scene.glass("thing", 0.2));
-        for scene in [metal, plastic, glass] {
+        let layers = turned(|scene| scene.layers("thing", 0.2));
+        for scene in [metal, plastic, glass, layers] {
             transposed(&scene, Method::Reparam, &[painted]);
         }
     }

@@ -76,6 +76,7 @@ fn of_normals() {
             (|s| s) as fn(Scene) -> Scene,
             |s| s.metal("thing", 0.3, Ggx),
             |s| s.plastic("thing", Some(0.2)),
+            |s| s.layers("thing", 0.2),
         ] {
             let spikes = spiky(AT, 0.4, [1.0, 0.5]);
             let scene = paint(above_a_floor(GAUSSIAN).solid("thing", spikes, [0.8; 3]));

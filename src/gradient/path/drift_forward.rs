@@ -11,6 +11,7 @@ use crate::lanes::{Dual, LANES, Lane, V3};
 use crate::paths::lobe_drift::LobeField;
 use crate::paths::rays::{from_lanes, masked};
 use crate::paths::surface::kinds::LightKind;
+use crate::paths::surface::layers::{numbers, of_numbers};
 use glam::{DVec3, Vec3};
 
 impl ForwardSweep<'_> {
@@ -107,8 +108,9 @@ impl MovingVertex<'_> {
                 k: vector(s.k),
                 alpha: number(s.alpha),
             }),
-            // Diffuse lobes of layers do not drift.
-            layers: None,
+            layers: self
+                .layers
+                .map(|l| of_numbers(vector(l.tangent), numbers(&l).map(number))),
             vertices: self.vertices,
         }
     }

@@ -2,10 +2,12 @@
 //! see `rest_forward`.
 
 use crate::adjoint::bsdf::{bsdf_evaluate_adjoint, bsdf_evaluate_glass_adjoint};
+use crate::adjoint::layered::layered_evaluate_adjoint;
 use crate::adjoint::light::direction_irradiance_adjoint;
 use crate::gradient::path::backward::{BackwardSweep, Solved};
 use crate::gradient::path::bars::{Cotangent, VertexBars, over};
 use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_evaluate, bsdf_evaluate_glass};
+use crate::kernels::layered::layered_evaluate;
 use crate::kernels::light::direction_irradiance;
 use crate::lanes::{Lane, V3};
 use crate::paths::rays::{lane_mask, masked};
@@ -55,7 +57,29 @@ impl BackwardSweep<'_> {
             bars.direction = bars.direction + masked(coat, direction_bar);
             bars.add_interface(coat, &s_bar);
         }
-        let metal = weight_bar.bits & !(kinds.dielectric | kinds.plastic);
+        let layered = weight_bar.bits & kinds.principled;
+        if let (Some((layers, _)), true) = (&here.layers, layered != 0) {
+            let [with, without] = vertices.lobes.lit_alone();
+            let evaluate = |lit| layered_evaluate(n, direction, w, interface, *layers, masks, lit);
+            let (value, irradiance) = (
+                evaluate(with) - evaluate(without),
+                direction_irradiance(n, w),
+            );
+            let bar = self.of_unhidden(here, (w, value * irradiance), (layered, brings), bars);
+            let all = masked(layered, bar.times(value));
+            let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
+            bars.n = bars.n + masked(layered, n_bar);
+            let bar = masked(layered, bar * irradiance);
+            for (lit, bar) in [(with, bar), (without, -bar)] {
+                let (n_bar, direction_bar, _, s_bar, l_bar) =
+                    layered_evaluate_adjoint(n, direction, w, interface, *layers, masks, lit, bar);
+                bars.n = bars.n + masked(layered, n_bar);
+                bars.direction = bars.direction + masked(layered, direction_bar);
+                bars.add_interface(layered, &s_bar);
+                bars.add_layers(layered, &l_bar);
+            }
+        }
+        let metal = weight_bar.bits & !(kinds.dielectric | kinds.plastic | kinds.principled);
         if metal != 0 {
             let value = self.bsdf_evaluate(here, w, LightKind::Delta);
             let irradiance = direction_irradiance(n, w);

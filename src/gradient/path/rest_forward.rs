@@ -4,9 +4,11 @@
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, value_of};
 use crate::gradient::scene::forward::dual_vector;
 use crate::kernels::bsdf::{Interface, bsdf_evaluate_glass};
+use crate::kernels::layered::{Layers, layered_evaluate};
 use crate::kernels::light::direction_irradiance;
 use crate::lanes::{Dual, Lane, Real, V3};
 use crate::paths::rays::lane_mask;
+use crate::paths::store::Vertices;
 use crate::paths::surface::kinds::LightKind;
 
 impl ForwardSweep<'_> {
@@ -58,8 +60,12 @@ impl ForwardSweep<'_> {
             }),
             ..*here
         };
-        let reflected =
-            self.bsdf_evaluate(&coat, w, LightKind::Delta) * direction_irradiance(here.n, w);
+        let mut reflected = self.bsdf_evaluate(&coat, w, LightKind::Delta);
+        if let (Some(layers), true) = (&here.layers, kinds.principled != 0) {
+            let lobe = self.shown(here, w, lobe_of_layers(here, interface, layers, w));
+            reflected = V3::select(lane_mask(kinds.principled), lobe, reflected);
+        }
+        let reflected = reflected * direction_irradiance(here.n, w);
         if kinds.dielectric == 0 {
             return reflected;
         }
@@ -84,4 +90,20 @@ impl ForwardSweep<'_> {
         let V3 { x, y, z } = direction;
         dual_vector(V3::new(value(x), value(y), value(z)), V3::splat(0.0))
     }
+}
+
+/// π times what the lobe that was drawn of each lane's layers sends of light from `w`.
+fn lobe_of_layers(
+    here: &MovingVertex,
+    interface: &Interface<D>,
+    layers: &Layers<D>,
+    w: V3<D>,
+) -> V3<D> {
+    let Vertices { kinds, lobes, .. } = *here.vertices;
+    let lit = |lit| {
+        let (n, direction, kinds) = (here.n, here.direction, kinds.masks());
+        layered_evaluate::<D>(n, direction, w, *interface, *layers, kinds, lit)
+    };
+    let [with, without] = lobes.lit_alone();
+    lit(with) - lit(without)
 }

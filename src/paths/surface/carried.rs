@@ -18,8 +18,9 @@ impl SceneView<'_> {
         at_last: bool,
     ) -> u32 {
         let (kinds, lobes) = (vertices.kinds, vertices.lobes);
-        let plain = vertices.hit & !(kinds.black | kinds.principled);
-        let mut diffuse = plain & lobes.diffuse & (!kinds.special() | kinds.plastic);
+        let plain = vertices.hit & !kinds.black;
+        let layers = kinds.plastic | kinds.principled & !kinds.transmits;
+        let mut diffuse = plain & lobes.diffuse & (!kinds.special() | layers);
         if at_last {
             // What the last bounces of diffuse lobes find are lights, which have coordinates of
             // their own, and an even sky.
@@ -29,7 +30,7 @@ impl SceneView<'_> {
             diffuse &= vertices.moves;
         }
         // Rough metal, glass and plastic, whose value is known toward any direction.
-        let coat = (kinds.conductor | kinds.plastic) & lobes.reflected;
+        let coat = (kinds.conductor | layers) & lobes.reflected;
         let glass = kinds.dielectric & !kinds.grained & (lobes.reflected | lobes.refracted);
         let rough = plain & (coat | glass) & !(kinds.smooth | kinds.thin);
         let resting = drift.resting_lanes(self.geometry, &vertices.triangle);

@@ -59,7 +59,7 @@ impl Kinds {
 
     /// Lanes of which the part of the light that is scattered diffusely depends on the direction.
     pub fn uneven_below(&self) -> u32 {
-        self.plastic | self.relief
+        self.plastic | self.principled | self.relief
     }
 
     /// Lanes that see the world along a deterministic map of the ray, at least in part.
