@@ -237,6 +237,8 @@ fn transposition() {
     let brushed = seen(|scene| scene.brushed("thing", [0.2, 0.4], Ggx));
     let layers = seen(|scene| scene.layers("thing", 0.2));
     transposed(&layers, Method::Reparam, &[painted]);
+    let clear = seen(|scene| scene.clear_layers("thing", 0.2));
+    transposed(&clear, Method::Reparam, &[painted]);
     let alpha = "thing.bsdf.alpha.value";
     transposed(&brushed, Method::Reparam, &[painted, alpha]);
     transposed(&painted_ball(), Method::Reparam, &[]);

@@ -2,12 +2,12 @@
 //! see `rest_forward`.
 
 use crate::adjoint::bsdf::{bsdf_evaluate_adjoint, bsdf_evaluate_glass_adjoint};
-use crate::adjoint::layered::layered_evaluate_adjoint;
+use crate::adjoint::layered::{layered_evaluate_adjoint, layered_sent_adjoint};
 use crate::adjoint::light::direction_irradiance_adjoint;
 use crate::gradient::path::backward::{BackwardSweep, Solved};
 use crate::gradient::path::bars::{Cotangent, VertexBars, over};
 use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_evaluate, bsdf_evaluate_glass};
-use crate::kernels::layered::layered_evaluate;
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sent};
 use crate::kernels::light::direction_irradiance;
 use crate::lanes::{Lane, V3};
 use crate::paths::rays::{lane_mask, masked};
@@ -20,75 +20,120 @@ impl BackwardSweep<'_> {
         let (Some(interface), true) = (here.interface, weight_bar.bits != 0) else {
             return;
         };
-        let (n, direction, kinds) = (here.n, vertices.direction, vertices.kinds);
-        let (masks, none) = (kinds.masks(), RoughTransmission::none());
+        let kinds = vertices.kinds;
         let (w, _) = self.unhidden_bounce(here);
         let brings = weight_bar.value.times(vertices.weight);
         let glass = weight_bar.bits & kinds.dielectric;
         if glass != 0 {
-            let is_glass = lane_mask(glass);
-            let sent = bsdf_evaluate_glass(n, direction, w, interface, is_glass, masks);
-            let bar = self.of_unhidden(here, (w, sent), (glass, brings), bars);
-            let (n_bar, direction_bar, _, s_bar) =
-                bsdf_evaluate_glass_adjoint(n, direction, w, interface, is_glass, masks, bar);
-            bars.n = bars.n + masked(glass, n_bar);
-            bars.direction = bars.direction + masked(glass, direction_bar);
-            bars.add_interface(glass, &s_bar);
+            self.rest_of_glass(here, &interface, w, (glass, brings), bars);
         }
         let coat = weight_bar.bits & kinds.plastic;
         if coat != 0 {
-            // What lies below has a lobe of its own.
-            let reflectance = V3::splat(0.0);
-            let interface = Interface {
-                reflectance,
-                ..interface
-            };
-            let (has_lobe, irradiance) = (lane_mask(coat), direction_irradiance(n, w));
-            let value = bsdf_evaluate(n, direction, w, interface, none, masks, has_lobe);
-            let bar = self.of_unhidden(here, (w, value * irradiance), (coat, brings), bars);
-            let all = masked(coat, bar.times(value));
-            let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
-            bars.n = bars.n + masked(coat, n_bar);
-            let bar = masked(coat, bar * irradiance);
-            let (n_bar, direction_bar, _, mut s_bar, _) =
-                bsdf_evaluate_adjoint(n, direction, w, interface, none, masks, has_lobe, bar);
-            s_bar.reflectance = reflectance;
-            bars.n = bars.n + masked(coat, n_bar);
-            bars.direction = bars.direction + masked(coat, direction_bar);
-            bars.add_interface(coat, &s_bar);
+            self.rest_of_coat(here, &interface, w, (coat, brings), bars);
         }
         let layered = weight_bar.bits & kinds.principled;
         if let (Some((layers, _)), true) = (&here.layers, layered != 0) {
-            let [with, without] = vertices.lobes.lit_alone();
-            let evaluate = |lit| layered_evaluate(n, direction, w, interface, *layers, masks, lit);
-            let (value, irradiance) = (
-                evaluate(with) - evaluate(without),
-                direction_irradiance(n, w),
-            );
-            let bar = self.of_unhidden(here, (w, value * irradiance), (layered, brings), bars);
-            let all = masked(layered, bar.times(value));
-            let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
-            bars.n = bars.n + masked(layered, n_bar);
-            let bar = masked(layered, bar * irradiance);
-            for (lit, bar) in [(with, bar), (without, -bar)] {
-                let (n_bar, direction_bar, _, s_bar, l_bar) =
-                    layered_evaluate_adjoint(n, direction, w, interface, *layers, masks, lit, bar);
-                bars.n = bars.n + masked(layered, n_bar);
-                bars.direction = bars.direction + masked(layered, direction_bar);
-                bars.add_interface(layered, &s_bar);
-                bars.add_layers(layered, &l_bar);
-            }
+            let of = (&interface, layers);
+            let through = layered & vertices.lobes.refracted;
+            self.rest_through_layers(here, of, w, (through, brings), bars);
+            self.rest_on_layers(here, of, w, (layered & !through, brings), bars);
         }
         let metal = weight_bar.bits & !(kinds.dielectric | kinds.plastic | kinds.principled);
         if metal != 0 {
             let value = self.bsdf_evaluate(here, w, LightKind::Delta);
-            let irradiance = direction_irradiance(n, w);
-            let bar = over(brings, value * irradiance);
-            let all = masked(metal, bar.times(value));
-            let (n_bar, _) = direction_irradiance_adjoint(n, w, all.x + all.y + all.z);
-            bars.n = bars.n + masked(metal, n_bar);
-            let value_bar = Cotangent::of_lanes(metal, bar * irradiance);
-            self.bsdf_evaluate_backward(here, w, LightKind::Delta, value_bar, bars);
+            let sent = value * direction_irradiance(here.n, w);
+            let bar = Cotangent::of_lanes(metal, over(brings, sent));
+            let bar = Cotangent::of_lanes(metal, of_irradiance(here, w, (value, bar), bars));
+            self.bsdf_evaluate_backward(here, w, LightKind::Delta, bar, bars);
+        }
+    }
+
+    fn rest_of_glass(
+        &self,
+        here: &Solved,
+        interface: &Interface<Lane>,
+        w: V3<Lane>,
+        (bits, brings): (u32, V3<Lane>),
+        bars: &mut VertexBars,
+    ) {
+        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
+        let (is_glass, masks) = (lane_mask(bits), here.vertices.kinds.masks());
+        let sent = bsdf_evaluate_glass(n, direction, w, s, is_glass, masks);
+        let bar = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let (n, direction, _, s) =
+            bsdf_evaluate_glass_adjoint(n, direction, w, s, is_glass, masks, bar.value);
+        add(bits, (n, direction, &s), bars);
+    }
+
+    /// What lies below a coat has a lobe of its own.
+    fn rest_of_coat(
+        &self,
+        here: &Solved,
+        interface: &Interface<Lane>,
+        w: V3<Lane>,
+        (bits, brings): (u32, V3<Lane>),
+        bars: &mut VertexBars,
+    ) {
+        let (n, direction) = (here.n, here.vertices.direction);
+        let (masks, none) = (here.vertices.kinds.masks(), RoughTransmission::none());
+        let reflectance = V3::splat(0.0);
+        let coat = Interface {
+            reflectance,
+            ..*interface
+        };
+        let has_lobe = lane_mask(bits);
+        let value = bsdf_evaluate(n, direction, w, coat, none, masks, has_lobe);
+        let sent = value * direction_irradiance(n, w);
+        let bar = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let bar = of_irradiance(here, w, (value, bar), bars);
+        let (n, direction, _, mut s, _) =
+            bsdf_evaluate_adjoint(n, direction, w, coat, none, masks, has_lobe, bar);
+        s.reflectance = reflectance;
+        add(bits, (n, direction, &s), bars);
+    }
+
+    fn rest_through_layers(
+        &self,
+        here: &Solved,
+        (interface, layers): (&Interface<Lane>, &Layers<Lane>),
+        w: V3<Lane>,
+        (bits, brings): (u32, V3<Lane>),
+        bars: &mut VertexBars,
+    ) {
+        if bits == 0 {
+            return;
+        }
+        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
+        let (is_through, masks) = (lane_mask(bits), here.vertices.kinds.masks());
+        let sent = layered_sent(n, direction, w, s, *layers, masks, is_through);
+        let bar = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let (n, direction, _, s, l) =
+            layered_sent_adjoint(n, direction, w, s, *layers, masks, is_through, bar.value);
+        add(bits, (n, direction, &s), bars);
+        bars.add_layers(bits, &l);
+    }
+
+    fn rest_on_layers(
+        &self,
+        here: &Solved,
+        (interface, layers): (&Interface<Lane>, &Layers<Lane>),
+        w: V3<Lane>,
+        (bits, brings): (u32, V3<Lane>),
+        bars: &mut VertexBars,
+    ) {
+        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
+        let masks = here.vertices.kinds.masks();
+        let [with, without] = here.vertices.lobes.lit_alone();
+        let evaluate = |lit| layered_evaluate(n, direction, w, s, *layers, masks, lit);
+        let value = evaluate(with) - evaluate(without);
+        let sent = value * direction_irradiance(n, w);
+        let bar = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let bar = of_irradiance(here, w, (value, bar), bars);
+        for (lit, bar) in [(with, bar), (without, -bar)] {
+            let (n, direction, _, s, l) =
+                layered_evaluate_adjoint(n, direction, w, s, *layers, masks, lit, bar);
+            add(bits, (n, direction, &s), bars);
+            bars.add_layers(bits, &l);
         }
     }
 
@@ -100,9 +145,33 @@ impl BackwardSweep<'_> {
         (w, value): (V3<Lane>, V3<Lane>),
         (bits, brings): (u32, V3<Lane>),
         bars: &mut VertexBars,
-    ) -> V3<Lane> {
-        let bar = masked(bits, over(brings, self.shown(here, w, value)));
-        let bar = Cotangent { bits, value: bar };
-        self.shown_backward(here, (w, value), bar, bars).1
+    ) -> Cotangent {
+        let bar = Cotangent::of_lanes(bits, over(brings, self.shown(here, w, value)));
+        let (_, value) = self.shown_backward(here, (w, value), bar, bars);
+        Cotangent { bits, value }
     }
+}
+
+/// From the cotangent of a value times its irradiance, in some lanes, to that of the value.
+fn of_irradiance(
+    here: &Solved,
+    w: V3<Lane>,
+    (value, bar): (V3<Lane>, Cotangent),
+    bars: &mut VertexBars,
+) -> V3<Lane> {
+    let bits = bar.bits;
+    let (n, _) = direction_irradiance_adjoint(here.n, w, masked(bits, value).dot(bar.value));
+    bars.n = bars.n + masked(bits, n);
+    bar.value * direction_irradiance(here.n, w)
+}
+
+/// Adds the cotangents of a normal, of the arriving ray and of an interface.
+fn add(
+    bits: u32,
+    (n, direction, s): (V3<Lane>, V3<Lane>, &Interface<Lane>),
+    bars: &mut VertexBars,
+) {
+    bars.n = bars.n + masked(bits, n);
+    bars.direction = bars.direction + masked(bits, direction);
+    bars.add_interface(bits, s);
 }

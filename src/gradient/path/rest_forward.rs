@@ -4,7 +4,7 @@
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, value_of};
 use crate::gradient::scene::forward::dual_vector;
 use crate::kernels::bsdf::{Interface, bsdf_evaluate_glass};
-use crate::kernels::layered::{Layers, layered_evaluate};
+use crate::kernels::layered::{Layers, layered_evaluate, layered_sent};
 use crate::kernels::light::direction_irradiance;
 use crate::lanes::{Dual, Lane, Real, V3};
 use crate::paths::rays::lane_mask;
@@ -65,14 +65,22 @@ impl ForwardSweep<'_> {
             let lobe = self.shown(here, w, lobe_of_layers(here, interface, layers, w));
             reflected = V3::select(lane_mask(kinds.principled), lobe, reflected);
         }
-        let reflected = reflected * direction_irradiance(here.n, w);
+        let mut sent = reflected * direction_irradiance(here.n, w);
+        let through = kinds.transmits & here.vertices.lobes.refracted;
+        if let (Some(layers), true) = (&here.layers, through != 0) {
+            let (n, direction, is_through) = (here.n, here.direction, lane_mask(through));
+            let masks = kinds.masks();
+            let squeezed =
+                layered_sent::<D>(n, direction, w, *interface, *layers, masks, is_through);
+            sent = V3::select(is_through, self.shown(here, w, squeezed), sent);
+        }
         if kinds.dielectric == 0 {
-            return reflected;
+            return sent;
         }
         let (is_glass, masks) = (lane_mask(kinds.dielectric), kinds.masks());
         let glass =
             bsdf_evaluate_glass::<D>(here.n, here.direction, w, *interface, is_glass, masks);
-        V3::select(is_glass, self.shown(here, w, glass), reflected)
+        V3::select(is_glass, self.shown(here, w, glass), sent)
     }
 
     /// A direction over a lobe in which a border is seen, likewise.

@@ -19,7 +19,7 @@ impl SceneView<'_> {
     ) -> u32 {
         let (kinds, lobes) = (vertices.kinds, vertices.lobes);
         let plain = vertices.hit & !kinds.black;
-        let layers = kinds.plastic | kinds.principled & !kinds.transmits;
+        let layers = kinds.plastic | kinds.principled;
         let mut diffuse = plain & lobes.diffuse & (!kinds.special() | layers);
         if at_last {
             // What the last bounces of diffuse lobes find are lights, which have coordinates of
@@ -31,7 +31,8 @@ impl SceneView<'_> {
         }
         // Rough metal, glass and plastic, whose value is known toward any direction.
         let coat = (kinds.conductor | layers) & lobes.reflected;
-        let glass = kinds.dielectric & !kinds.grained & (lobes.reflected | lobes.refracted);
+        let glass = kinds.dielectric & !kinds.grained & (lobes.reflected | lobes.refracted)
+            | kinds.transmits & lobes.refracted;
         let rough = plain & (coat | glass) & !(kinds.smooth | kinds.thin);
         let resting = drift.resting_lanes(self.geometry, &vertices.triangle);
         let is_followed = |&lane: &usize| {
