@@ -1,13 +1,13 @@
 //! What the film drifts with (`paths::film::drift`).
 //!
 //! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or plastic
-//! the node follows what it hits of such surfaces, because their light changes along them. Where it
-//! meets many things the node follows all that it hits: there are too many borders to find, on the
-//! film and in what its vertices see, and they move about as the points do. Before an environment map
-//! it does so everywhere if the camera moves and paths are long, since the whole world rests then.
-//! Where it meets a mesh with detail that sees itself (`detail`), it follows what it hits of that.
-//! Elsewhere the node rests. The few borders there are found for sure, and an image's noise would be
-//! worse than theirs.
+//! that moves the node follows what it hits of such surfaces, because their light changes along them.
+//! Where it meets many things the node follows all that it hits: there are too many borders to find,
+//! on the film and in what its vertices see, and they move about as the points do. Before an
+//! environment map it does so everywhere if the camera moves and paths are long, since the whole world
+//! rests then. Where it meets a mesh with detail that sees itself (`detail`), or with fine pictures
+//! (`pictures`), it follows what it hits of that. Elsewhere the node rests. The few borders there are
+//! found for sure, and an image's noise would be worse than theirs.
 
 use super::node_hit::Hit;
 use super::{detail, pictures};

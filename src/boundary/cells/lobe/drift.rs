@@ -10,7 +10,8 @@
 //! by a hundred thousand times. There directions rest in the world, and what the lobe sends along
 //! them changes instead. That has a noise in proportion to one over the lobe's width, but once. Of a
 //! diffuse lobe it is so little that directions rest over all that is curved: in a furnished room a
-//! ball that moves has a quarter of the variance.
+//! ball that moves has a quarter of the variance. Pictures that turn normals are detail, too
+//! (`relief`).
 
 use super::relief;
 use super::walls::walls;
