@@ -169,6 +169,21 @@ fn a_dented_thing_of_plastic() {
     agrees(&seen(|scene| scene.plastic("thing", None)), MOVED, 512);
 }
 
+/// Wide lobes share a lamp with light samples.
+#[test]
+fn dented_things_under_a_lamp() {
+    let paints: [fn(Scene) -> Scene; 3] = [
+        |scene| scene.metal("thing", 0.3, Ggx),
+        |scene| scene.plastic("thing", Some(0.3)).relief("thing", None),
+        |scene| scene.layers("thing", 0.3),
+    ];
+    for paint in paints {
+        let lamp = ceiling(vec3(-0.3, -0.5, 1.3), 0.4);
+        let scene = seen(paint).light("lamp", lamp, [5.0, 6.0, 4.0]);
+        agrees(&scene, MOVED, 512);
+    }
+}
+
 #[test]
 fn a_dented_thing_of_layers() {
     let scene = seen(|scene| scene.layers("thing", 0.3));
