@@ -4,14 +4,14 @@
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
-use common::shapes::Shape;
+use common::shapes::{Random, Shape};
 use common::statistics::Agreement;
-use common::transposition::transposed;
+use common::transposition::{both_sides, difference, prepared, random_weight, transposed};
 use common::{differences, direction, gradient, settings, variance};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::Distribution::Ggx;
-use warpath::scene::Scene;
+use warpath::scene::{Normals, Scene};
 
 const MOVED: (&str, &[f32]) = ("thing.translation", &[1.0, 0.3, 0.2]);
 const BY_CAMERA: (&str, &[f32]) = ("cam.translation", &[0.5, 0.2, 0.3]);
@@ -105,6 +105,23 @@ fn above(thing: Shape) -> Scene {
         .constant_environment(SKY)
 }
 
+/// A painted ball beside a floor has about as much noise of facets as it has if they are smoothed over;
+/// it would have 24 times as much.
+#[test]
+fn facets_of_a_ball_are_followed() {
+    let thing = ball(3, vec3(0.9, 0.1, 0.5), 0.4);
+    let smooth = beside(thing.clone());
+    let mut flat = beside(thing);
+    let mesh = flat.meshes.iter_mut().find(|m| m.id == "thing");
+    mesh.expect("a mesh").normals = Normals::Flat;
+    let [smooth, flat] = [smooth, flat].map(|scene| {
+        let along = direction(&scene, &[MOVED]);
+        variance(&scene, (Method::Reparam, 64), &along, 0..24)
+    });
+    println!("{flat} {smooth}");
+    assert!(flat < 5.0 * smooth, "{flat} {smooth}");
+}
+
 /// Over which diffuse directions rest, and others do not.
 fn painted_ball() -> Scene {
     above(ball(3, vec3(0.0, 0.0, 0.45), 0.35))
@@ -167,6 +184,41 @@ fn a_dented_thing_of_plastic() {
         agrees(&scene, part, 512);
     }
     agrees(&seen(|scene| scene.plastic("thing", None)), MOVED, 512);
+}
+
+/// What is black over lobes that rest has the gradient by its colour that it has where nothing moves.
+#[test]
+fn black_lobes() {
+    const COLOUR: &str = "thing.bsdf.specular_reflectance";
+    let colour = format!("{COLOUR}.value");
+    let still: (&str, &[f32]) = (&colour, &[1.0]);
+    let paints: [fn(Scene) -> Scene; 3] = [
+        |scene| scene.metal("thing", 0.3, Ggx),
+        |scene| scene.plastic("thing", Some(0.3)),
+        |scene| scene.glass("thing", 0.3),
+    ];
+    for paint in paints {
+        let mut scene = seen(paint);
+        for texture in scene.textures.iter_mut().filter(|t| t.key == COLOUR) {
+            texture.texels = vec![[0.0; 3]];
+        }
+        let mean = |parts: &[(&str, &[f32])], seed| {
+            let settings = settings(&scene, Method::Reparam, 64, seed);
+            let all = gradient(&scene, &settings, &direction(&scene, parts));
+            all.iter().sum::<f64>() / all.len() as f64
+        };
+        let moved: (&str, &[f32]) = (MOVED.0, &[1e-6; 3]);
+        let pairs = (0..12).map(|seed| [mean(&[still], seed), mean(&[still, moved], seed)]);
+        let pairs: Vec<[f64; 2]> = pairs.collect();
+        let off = pairs.iter().map(|[a, b]| (a - b).abs()).fold(0.0, f64::max);
+        let least = pairs.iter().map(|[a, _]| *a).fold(f64::MAX, f64::min);
+        println!("{off} of {least}");
+        assert!(off < 1e-3 * least, "{pairs:?}");
+        let weight = random_weight(&mut Random::new(5), &scene);
+        let along = direction(&scene, &[still, moved]);
+        let sides = both_sides(&prepared(&scene), &along, &weight, Method::Reparam);
+        assert_eq!(difference("black", &sides), None);
+    }
 }
 
 /// Wide lobes share a lamp with light samples.

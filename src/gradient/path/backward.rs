@@ -320,9 +320,10 @@ impl BackwardSweep<'_> {
             value: weight_bar,
         } = weight_bar;
         let rests = vertices.resting_lobes() & bits;
-        self.rest(here, Cotangent::of_lanes(rests, weight_bar), bars);
-        let bits = bits & !rests;
-        let (direction, weight_bar) = (masked(bits, direction), masked(bits, weight_bar));
+        let black = self.rest(here, Cotangent::of_lanes(rests, weight_bar), bars);
+        let turns = bits & !rests;
+        let direction = masked(turns, direction);
+        let weight_bar = masked(turns, weight_bar) + black;
         let layered = vertices.kinds.layered();
         let mut weight_bar = weight_bar * vertices.inverse_density;
         let mut direction = direction;

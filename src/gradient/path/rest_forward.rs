@@ -32,7 +32,8 @@ impl ForwardSweep<'_> {
             tangent: <Lane as Real>::select(
                 sent.value.gt(zero),
                 weight.value * sent.tangent / sent.value,
-                zero,
+                // What is black may become brighter, wherever directions go.
+                weight.tangent,
             ),
         };
         let own = V3::new(

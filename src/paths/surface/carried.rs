@@ -19,8 +19,9 @@ impl SceneView<'_> {
     ) -> u32 {
         let (kinds, lobes) = (vertices.kinds, vertices.lobes);
         let plain = vertices.hit & !kinds.black;
-        let layers = kinds.plastic | kinds.principled;
-        let mut diffuse = plain & lobes.diffuse & (!kinds.special() | layers);
+        // They scatter diffusely below, and reflect above.
+        let above_paint = kinds.plastic | kinds.principled;
+        let mut diffuse = plain & lobes.diffuse & (!kinds.special() | above_paint);
         if at_last {
             // What the last bounces of diffuse lobes find are lights, which have coordinates of
             // their own, and an even sky.
@@ -30,7 +31,7 @@ impl SceneView<'_> {
             diffuse &= vertices.moves;
         }
         // Rough metal, glass and plastic, whose value is known toward any direction.
-        let coat = (kinds.conductor | layers) & lobes.reflected;
+        let coat = (kinds.conductor | above_paint) & lobes.reflected;
         let glass = kinds.dielectric & !kinds.grained & (lobes.reflected | lobes.refracted)
             | kinds.transmits & lobes.refracted;
         let rough = plain & (coat | glass) & !(kinds.smooth | kinds.thin);

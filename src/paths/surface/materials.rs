@@ -139,8 +139,17 @@ impl MaterialTable {
 
     /// Whether a material, or anything it is made of, is more than diffuse.
     pub fn is_special(&self, material: usize) -> bool {
-        let is_special = |entry: usize| self.entries[entry].kinds.special() != 0;
-        is_special(material) || self.parts[material].iter().any(|p| is_special(p.entry))
+        self.any(material, |kinds| kinds.special() != 0)
+    }
+
+    /// Whether a material, or anything it is made of, is metal, glass, plastic or has layers.
+    pub fn has_lobes(&self, material: usize) -> bool {
+        self.any(material, |kinds| kinds.special() & !kinds.null != 0)
+    }
+
+    fn any(&self, material: usize, is: impl Fn(&Kinds) -> bool) -> bool {
+        let is = |entry: usize| is(&self.entries[entry].kinds);
+        is(material) || self.parts[material].iter().any(|p| is(p.entry))
     }
 }
 

@@ -141,11 +141,10 @@ fn worth_following(
 ) -> Vec<Hit> {
     let scene = pilot.scene;
     let materials = &scene.view.materials;
-    let is_special =
-        |h: &Hit| materials.is_special(scene.view.scene.meshes[h.mesh as usize].material);
-    let is_special_and_moves = |h: &Hit| h.moves && is_special(h);
-    if hits.iter().any(is_special_and_moves) {
-        return hits.into_iter().filter(is_special_and_moves).collect();
+    let material = |h: &Hit| scene.view.scene.meshes[h.mesh as usize].material;
+    let reflects = |h: &Hit| h.moves && materials.has_lobes(material(h));
+    if hits.iter().any(reflects) {
+        return hits.into_iter().filter(reflects).collect();
     }
     if follows_all(scene) || sees_many(scene, &hits) {
         return hits;
@@ -163,6 +162,7 @@ fn worth_following(
             &hits,
         ));
     }
+    let is_special = |h: &Hit| h.moves && materials.is_special(material(h));
     let is_followed = |h: &Hit| is_special(h) || meshes.contains(&h.mesh);
     hits.into_iter().filter(is_followed).collect()
 }

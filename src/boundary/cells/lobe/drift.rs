@@ -174,9 +174,9 @@ fn shading_turn(scene: &SearchScene, triangle: u32, area: f64) -> f64 {
     area * (0..3).map(along).sum::<f64>() / 3.0
 }
 
-/// The same of facets, which turn at their edges: half of the mean curvature's integral is an
-/// edge's angle times its length, of which either triangle has half. Where they turn by more at
-/// once a shape is not curved but has edges.
+/// The same of facets, which turn at their edges: the mean curvature's integral is half of an edge's
+/// angle times its length, and either triangle has half of that. Where they turn by more at once a
+/// shape is not curved but has edges.
 fn facets_turn(scene: &SearchScene, triangle: u32, _: f64) -> f64 {
     let geometry = scene.view.geometry;
     let p = corners(geometry, triangle);

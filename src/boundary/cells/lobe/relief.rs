@@ -5,8 +5,8 @@ use crate::paths::surface::texture::{lookup, rise};
 use crate::scene::{Layout, Relief, Texture};
 use glam::{Vec2, Vec3};
 
-/// So many triangles of a mesh tell.
-const MOST_TRIANGLES: usize = 1 << 10;
+/// About so many points of a mesh tell.
+const POINTS: usize = 1 << 10;
 
 /// By how much reliefs turn a mesh's normals over a unit of length, from texel to texel, in the mean
 /// over its surface; of several materials that of the most. Zero without pictures that do.
@@ -37,24 +37,31 @@ fn mean_turn(scene: &SearchScene, mesh: usize, relief: &Relief) -> f64 {
         |uv: Vec2| (to_uv.transform_vector2(uv) * Vec2::new(width as f32, height as f32)).length();
     let triangles =
         geometry.first_triangle[mesh] as usize..geometry.first_triangle[mesh + 1] as usize;
-    let step = triangles.len().div_ceil(MOST_TRIANGLES).max(1);
+    let step = triangles.len().div_ceil(POINTS).max(1);
+    let points = POINTS / triangles.len().clamp(1, POINTS);
     let [mut area, mut turn] = [0.0f64; 2];
     for corners in geometry.triangles[triangles].iter().step_by(step) {
         let [p, q, r] = corners.map(|v| geometry.positions[v as usize]);
         let [s, t, w] = corners.map(|v| geometry.uvs.get(v as usize).copied().unwrap_or_default());
         let edges = [(q - p, t - s), (r - p, w - s)];
-        let middle = (s + t + w) / 3.0;
-        let at = |uv: Vec2| normal(texture, relief, uv, edges);
-        let along = |&(x, uv): &(Vec3, Vec2)| {
-            // A texel further.
-            let part = texels(uv).recip();
-            at(middle).distance(at(middle + uv * part)) / (x.length() * part)
-        };
-        let per_length = edges.iter().map(along).sum::<f32>() / 2.0;
-        if per_length.is_finite() {
-            let own = f64::from((q - p).cross(r - p).length());
-            area += own;
-            turn += own * f64::from(per_length);
+        let own = f64::from((q - p).cross(r - p).length());
+        for point in 0..points {
+            // Of additive recurrences by the plastic number, folded into the triangle.
+            let place = (point as f32 + 0.5) * Vec2::new(0.754_877_7, 0.569_840_3);
+            let b = place - place.floor();
+            let b = if b.element_sum() > 1.0 { 1.0 - b } else { b };
+            let uv = s + (t - s) * b.x + (w - s) * b.y;
+            let at = |uv: Vec2| normal(texture, relief, uv, edges);
+            let along = |&(x, by): &(Vec3, Vec2)| {
+                // A texel further.
+                let part = texels(by).recip();
+                at(uv).distance(at(uv + by * part)) / (x.length() * part)
+            };
+            let per_length = edges.iter().map(along).sum::<f32>() / 2.0;
+            if per_length.is_finite() {
+                area += own;
+                turn += own * f64::from(per_length);
+            }
         }
     }
     turn / area.max(f64::MIN_POSITIVE)
