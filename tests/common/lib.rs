@@ -94,6 +94,19 @@ pub fn variance(
     (0..runs[0].len()).map(of_number).sum()
 }
 
+/// By how much one scene's gradient is noisier than another's, for each of these seeds.
+pub fn noise_ratios<const N: usize>(
+    [noisy, quiet]: [&Scene; 2],
+    parts: &[(&str, &[f32])],
+    seeds: [std::ops::Range<u64>; N],
+) -> [f64; N] {
+    let noise = |scene: &Scene, seeds| {
+        let along = direction(scene, parts);
+        variance(scene, (Method::Reparam, 64), &along, seeds)
+    };
+    seeds.map(|seeds| noise(noisy, seeds.clone()) / noise(quiet, seeds))
+}
+
 /// The gradient image by central differences of two sizes with common random numbers, its error in
 /// step² removed. `step` is along the direction.
 pub fn differences(

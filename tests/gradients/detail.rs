@@ -1,9 +1,9 @@
 //! Bodies that see their own edges near by: the film follows them where they move.
 
 use common::comparison::{Interior::Fails, check_to, lit};
+use common::noise_ratios;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, variance};
 use glam::vec3;
 use warpath::methods::Method;
 use warpath::scene::{Filter, Scene};
@@ -40,17 +40,11 @@ fn transposition() {
 #[test]
 fn following_is_less_noise() {
     let [box_filter, smooth] = [BOX, GAUSSIAN].map(thorns);
-    let noise = |scene: &Scene, seeds| {
-        variance(
-            scene,
-            (Method::Reparam, 64),
-            &direction(scene, &MOVED),
-            seeds,
-        )
-    };
-    let ratio: Vec<f64> = [1..7, 7..13, 13..19, 19..25]
-        .map(|seeds| noise(&box_filter, seeds.clone()) / noise(&smooth, seeds))
-        .into();
+    let ratio = noise_ratios(
+        [&box_filter, &smooth],
+        &MOVED,
+        [1..7, 7..13, 13..19, 19..25],
+    );
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 10.0), "{ratio:?}");
 }

@@ -5,7 +5,7 @@ use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
 use common::shapes::{Random, Shape};
-use common::statistics::Agreement;
+use common::statistics::{Agreement, Estimate};
 use common::transposition::{both_sides, difference, prepared, random_weight, transposed};
 use common::{differences, direction, gradient, settings, variance};
 use glam::{Vec3, vec3};
@@ -120,6 +120,40 @@ fn facets_of_a_ball_are_followed() {
     });
     println!("{flat} {smooth}");
     assert!(flat < 5.0 * smooth, "{flat} {smooth}");
+}
+
+/// Directions drift with a ball that nobody sees, before an even sky, over surfaces that send the more
+/// or the less of light for where it comes from: nothing changes.
+#[test]
+fn what_uneven_surfaces_send_along_the_drift() {
+    let paints: [fn(Scene) -> Scene; 3] = [
+        |scene| scene.plastic("floor", Some(0.3)),
+        |scene| scene.relief("floor", Some(1.0)),
+        |scene| scene.layers("floor", 0.3),
+    ];
+    for paint in paints {
+        let from = vec3(0.0, -3.0, 3.0);
+        let scene = scene(from, Vec3::ZERO, 9.0, [8; 2], GAUSSIAN)
+            .depth(4)
+            .solid("floor", floor(0.6, 0.0), [0.8; 3])
+            .smooth("thing", ball(3, vec3(0.9, 0.1, 0.5), 0.4), [0.5; 3])
+            .null("thing")
+            .constant_environment([1.0; 3]);
+        let scene = paint(scene);
+        let along = direction(&scene, &[MOVED]);
+        let mean = |seed| {
+            let all = gradient(
+                &scene,
+                &settings(&scene, Method::Reparam, 1024, seed),
+                &along,
+            );
+            all.iter().sum::<f64>() / all.len() as f64
+        };
+        let runs: Vec<f64> = (0..32).map(mean).collect();
+        let found = Estimate::mean(&runs);
+        println!("{found:?}");
+        assert!(found.z(0.0).abs() < 4.0 && found.error < 5e-4, "{found:?}");
+    }
 }
 
 /// Over which diffuse directions rest, and others do not.

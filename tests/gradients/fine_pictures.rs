@@ -5,7 +5,7 @@ use common::comparison::{Interior::Fails, check_to, lit};
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, variance};
+use common::{direction, noise_ratios, variance};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::Distribution::Ggx;
@@ -56,13 +56,7 @@ fn transposition() {
 #[test]
 fn following_is_less_noise() {
     let [box_filter, smooth] = [BOX, GAUSSIAN].map(coloured);
-    let noise = |scene: &Scene, seeds| {
-        let along = direction(scene, &MOVED);
-        variance(scene, (Method::Reparam, 64), &along, seeds)
-    };
-    let ratio: Vec<f64> = [1..7, 7..13]
-        .map(|seeds| noise(&box_filter, seeds.clone()) / noise(&smooth, seeds))
-        .into();
+    let ratio = noise_ratios([&box_filter, &smooth], &MOVED, [1..7, 7..13]);
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 10.0), "{ratio:?}");
 }

@@ -1,9 +1,9 @@
 //! Walls that directions graze: points close to their planes follow them.
 
 use common::comparison::{Interior::Fails, check_to};
+use common::noise_ratios;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, variance};
 use glam::vec3;
 use warpath::methods::Method;
 use warpath::scene::Scene;
@@ -56,17 +56,7 @@ fn transposition() {
 fn following_is_less_noise() {
     let alone = corner();
     let beside = corner().solid("ground", floor(20.0, -1.0), [0.0; 3]);
-    let noise = |scene: &Scene, seeds| {
-        variance(
-            scene,
-            (Method::Reparam, 64),
-            &direction(scene, &WALL),
-            seeds,
-        )
-    };
-    let ratio: Vec<f64> = [1..9, 9..17, 17..25, 25..33]
-        .map(|seeds| noise(&beside, seeds.clone()) / noise(&alone, seeds))
-        .into();
+    let ratio = noise_ratios([&beside, &alone], &WALL, [1..9, 9..17, 17..25, 25..33]);
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 20.0), "{ratio:?}");
 }

@@ -13,6 +13,18 @@ use crate::lanes::{Lane, Real, V3};
 use crate::paths::rays::{lane_mask, masked};
 use crate::paths::surface::kinds::LightKind;
 
+/// Bounces that rest, and where their cotangents go.
+struct Resting<'a> {
+    sweep: &'a BackwardSweep<'a>,
+    here: &'a Solved<'a>,
+    interface: Interface<Lane>,
+    /// Where they go.
+    w: V3<Lane>,
+    /// The cotangent of the logarithm of what is sent along them.
+    brings: V3<Lane>,
+    bars: &'a mut VertexBars,
+}
+
 impl BackwardSweep<'_> {
     /// From the cotangents of the weights of bounces that rest. Returns those of channels in which
     /// nothing is sent: they change as they would if directions turned.
@@ -22,43 +34,39 @@ impl BackwardSweep<'_> {
         weight_bar: Cotangent,
         bars: &mut VertexBars,
     ) -> V3<Lane> {
-        let vertices = here.vertices;
-        let none = V3::splat(0.0);
-        let (Some(interface), true) = (here.interface, weight_bar.bits != 0) else {
-            return none;
+        let (vertices, bits) = (here.vertices, weight_bar.bits);
+        let mut sent = V3::splat(0.0);
+        let (Some(interface), true) = (here.interface, bits != 0) else {
+            return sent;
+        };
+        let mut resting = Resting {
+            sweep: self,
+            here,
+            interface,
+            w: self.unhidden_bounce(here).0,
+            brings: weight_bar.value.times(vertices.weight),
+            bars,
         };
         let kinds = vertices.kinds;
-        let (w, _) = self.unhidden_bounce(here);
-        let brings = weight_bar.value.times(vertices.weight);
-        let mut sent = none;
-        let glass = weight_bar.bits & kinds.dielectric;
-        if glass != 0 {
-            sent = sent + self.rest_of_glass(here, &interface, w, (glass, brings), bars);
+        if bits & kinds.dielectric != 0 {
+            sent = sent + resting.glass(bits & kinds.dielectric);
         }
-        let coat = weight_bar.bits & kinds.plastic;
-        if coat != 0 {
-            sent = sent + self.rest_of_coat(here, &interface, w, (coat, brings), bars);
+        if bits & kinds.plastic != 0 {
+            sent = sent + resting.coat(bits & kinds.plastic);
         }
-        let layered = weight_bar.bits & kinds.principled;
         if let Some((layers, _)) = &here.layers {
-            let of = (&interface, layers);
+            let layered = bits & kinds.principled;
             let through = layered & vertices.lobes.refracted;
             if through != 0 {
-                sent = sent + self.rest_through_layers(here, of, w, (through, brings), bars);
+                sent = sent + resting.through_layers(layers, through);
             }
-            let above = layered & !through;
-            if above != 0 {
-                sent = sent + self.rest_on_layers(here, of, w, (above, brings), bars);
+            if layered & !through != 0 {
+                sent = sent + resting.on_layers(layers, layered & !through);
             }
         }
-        let metal = weight_bar.bits & !(kinds.dielectric | kinds.plastic | kinds.principled);
+        let metal = bits & !(kinds.dielectric | kinds.plastic | kinds.principled);
         if metal != 0 {
-            let value = self.bsdf_evaluate(here, w, LightKind::Delta);
-            let all = masked(metal, value * direction_irradiance(here.n, w));
-            let bar = Cotangent::of_lanes(metal, over(brings, all));
-            let bar = Cotangent::of_lanes(metal, of_irradiance(here, w, (value, bar), bars));
-            self.bsdf_evaluate_backward(here, w, LightKind::Delta, bar, bars);
-            sent = sent + all;
+            sent = sent + resting.metal(metal);
         }
         let zero = Lane::splat(0.0);
         let left = |sent: Lane, bar: Lane| <Lane as Real>::select(sent.gt(zero), zero, bar);
@@ -69,133 +77,105 @@ impl BackwardSweep<'_> {
             left(sent.z, bar.z),
         )
     }
+}
 
-    fn rest_of_glass(
-        &self,
-        here: &Solved,
-        interface: &Interface<Lane>,
-        w: V3<Lane>,
-        (bits, brings): (u32, V3<Lane>),
-        bars: &mut VertexBars,
-    ) -> V3<Lane> {
-        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
-        let (is_glass, masks) = (lane_mask(bits), here.vertices.kinds.masks());
+/// All return what is sent in these lanes, zero in others.
+impl Resting<'_> {
+    fn glass(&mut self, bits: u32) -> V3<Lane> {
+        let (n, direction, w, s) = self.rays();
+        let (is_glass, masks) = (lane_mask(bits), self.here.vertices.kinds.masks());
         let sent = bsdf_evaluate_glass(n, direction, w, s, is_glass, masks);
-        let (bar, shown) = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let (bar, shown) = self.of_unhidden(bits, sent);
         let (n, direction, _, s) =
             bsdf_evaluate_glass_adjoint(n, direction, w, s, is_glass, masks, bar.value);
-        add(bits, (n, direction, &s), bars);
+        self.add(bits, (n, direction, &s));
         shown
     }
 
     /// What lies below a coat has a lobe of its own.
-    fn rest_of_coat(
-        &self,
-        here: &Solved,
-        interface: &Interface<Lane>,
-        w: V3<Lane>,
-        (bits, brings): (u32, V3<Lane>),
-        bars: &mut VertexBars,
-    ) -> V3<Lane> {
-        let (n, direction) = (here.n, here.vertices.direction);
-        let (masks, none) = (here.vertices.kinds.masks(), RoughTransmission::none());
-        let reflectance = V3::splat(0.0);
-        let coat = Interface {
-            reflectance,
-            ..*interface
-        };
+    fn coat(&mut self, bits: u32) -> V3<Lane> {
+        let (n, direction, w, mut s) = self.rays();
+        s.reflectance = V3::splat(0.0);
+        let (masks, none) = (self.here.vertices.kinds.masks(), RoughTransmission::none());
         let has_lobe = lane_mask(bits);
-        let value = bsdf_evaluate(n, direction, w, coat, none, masks, has_lobe);
-        let sent = value * direction_irradiance(n, w);
-        let (bar, shown) = self.of_unhidden(here, (w, sent), (bits, brings), bars);
-        let bar = of_irradiance(here, w, (value, bar), bars);
-        let (n, direction, _, mut s, _) =
-            bsdf_evaluate_adjoint(n, direction, w, coat, none, masks, has_lobe, bar);
-        s.reflectance = reflectance;
-        add(bits, (n, direction, &s), bars);
+        let value = bsdf_evaluate(n, direction, w, s, none, masks, has_lobe);
+        let (bar, shown) = self.of_unhidden(bits, value * direction_irradiance(n, w));
+        let bar = self.of_irradiance(value, bar);
+        let (n, direction, _, mut s_bar, _) =
+            bsdf_evaluate_adjoint(n, direction, w, s, none, masks, has_lobe, bar);
+        s_bar.reflectance = s.reflectance;
+        self.add(bits, (n, direction, &s_bar));
         shown
     }
 
-    fn rest_through_layers(
-        &self,
-        here: &Solved,
-        (interface, layers): (&Interface<Lane>, &Layers<Lane>),
-        w: V3<Lane>,
-        (bits, brings): (u32, V3<Lane>),
-        bars: &mut VertexBars,
-    ) -> V3<Lane> {
-        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
-        let (is_through, masks) = (lane_mask(bits), here.vertices.kinds.masks());
+    fn through_layers(&mut self, layers: &Layers<Lane>, bits: u32) -> V3<Lane> {
+        let (n, direction, w, s) = self.rays();
+        let (is_through, masks) = (lane_mask(bits), self.here.vertices.kinds.masks());
         let sent = layered_sent(n, direction, w, s, *layers, masks, is_through);
-        let (bar, shown) = self.of_unhidden(here, (w, sent), (bits, brings), bars);
+        let (bar, shown) = self.of_unhidden(bits, sent);
         let (n, direction, _, s, l) =
             layered_sent_adjoint(n, direction, w, s, *layers, masks, is_through, bar.value);
-        add(bits, (n, direction, &s), bars);
-        bars.add_layers(bits, &l);
+        self.add(bits, (n, direction, &s));
+        self.bars.add_layers(bits, &l);
         shown
     }
 
-    fn rest_on_layers(
-        &self,
-        here: &Solved,
-        (interface, layers): (&Interface<Lane>, &Layers<Lane>),
-        w: V3<Lane>,
-        (bits, brings): (u32, V3<Lane>),
-        bars: &mut VertexBars,
-    ) -> V3<Lane> {
-        let (n, direction, s) = (here.n, here.vertices.direction, *interface);
-        let masks = here.vertices.kinds.masks();
-        let [with, without] = here.vertices.lobes.lit_alone();
+    fn on_layers(&mut self, layers: &Layers<Lane>, bits: u32) -> V3<Lane> {
+        let (n, direction, w, s) = self.rays();
+        let masks = self.here.vertices.kinds.masks();
+        let [with, without] = self.here.vertices.lobes.lit_alone();
         let evaluate = |lit| layered_evaluate(n, direction, w, s, *layers, masks, lit);
         let value = evaluate(with) - evaluate(without);
-        let sent = value * direction_irradiance(n, w);
-        let (bar, shown) = self.of_unhidden(here, (w, sent), (bits, brings), bars);
-        let bar = of_irradiance(here, w, (value, bar), bars);
+        let (bar, shown) = self.of_unhidden(bits, value * direction_irradiance(n, w));
+        let bar = self.of_irradiance(value, bar);
         for (lit, bar) in [(with, bar), (without, -bar)] {
             let (n, direction, _, s, l) =
                 layered_evaluate_adjoint(n, direction, w, s, *layers, masks, lit, bar);
-            add(bits, (n, direction, &s), bars);
-            bars.add_layers(bits, &l);
+            self.add(bits, (n, direction, &s));
+            self.bars.add_layers(bits, &l);
         }
         shown
     }
 
-    /// The cotangent of what would be sent along `w` if a turned surface hid nothing of itself, in
-    /// some lanes, and what it does send; `brings` is the cotangent of the logarithm of that.
-    fn of_unhidden(
-        &self,
-        here: &Solved,
-        (w, value): (V3<Lane>, V3<Lane>),
-        (bits, brings): (u32, V3<Lane>),
-        bars: &mut VertexBars,
-    ) -> (Cotangent, V3<Lane>) {
-        let shown = masked(bits, self.shown(here, w, value));
-        let bar = Cotangent::of_lanes(bits, over(brings, shown));
-        let (_, value) = self.shown_backward(here, (w, value), bar, bars);
+    fn metal(&mut self, bits: u32) -> V3<Lane> {
+        let (sweep, here, w) = (self.sweep, self.here, self.w);
+        let value = sweep.bsdf_evaluate(here, w, LightKind::Delta);
+        let sent = masked(bits, value * direction_irradiance(here.n, w));
+        let bar = Cotangent::of_lanes(bits, over(self.brings, sent));
+        let bar = Cotangent::of_lanes(bits, self.of_irradiance(value, bar));
+        sweep.bsdf_evaluate_backward(here, w, LightKind::Delta, bar, self.bars);
+        sent
+    }
+
+    /// The normal, the arriving ray, the bounce, and what is met.
+    fn rays(&self) -> (V3<Lane>, V3<Lane>, V3<Lane>, Interface<Lane>) {
+        let arriving = self.here.vertices.direction;
+        (self.here.n, arriving, self.w, self.interface)
+    }
+
+    /// The cotangent, in some lanes, of what would be sent if a turned surface hid nothing of itself,
+    /// which is `value`; and what it does send.
+    fn of_unhidden(&mut self, bits: u32, value: V3<Lane>) -> (Cotangent, V3<Lane>) {
+        let (sweep, here, w) = (self.sweep, self.here, self.w);
+        let shown = masked(bits, sweep.shown(here, w, value));
+        let bar = Cotangent::of_lanes(bits, over(self.brings, shown));
+        let (_, value) = sweep.shown_backward(here, (w, value), bar, self.bars);
         (Cotangent { bits, value }, shown)
     }
-}
 
-/// From the cotangent of a value times its irradiance, in some lanes, to that of the value.
-fn of_irradiance(
-    here: &Solved,
-    w: V3<Lane>,
-    (value, bar): (V3<Lane>, Cotangent),
-    bars: &mut VertexBars,
-) -> V3<Lane> {
-    let bits = bar.bits;
-    let (n, _) = direction_irradiance_adjoint(here.n, w, masked(bits, value).dot(bar.value));
-    bars.n = bars.n + masked(bits, n);
-    bar.value * direction_irradiance(here.n, w)
-}
+    /// From the cotangent of a value times its irradiance to that of the value.
+    fn of_irradiance(&mut self, value: V3<Lane>, bar: Cotangent) -> V3<Lane> {
+        let (n, w, bits) = (self.here.n, self.w, bar.bits);
+        let (n_bar, _) = direction_irradiance_adjoint(n, w, masked(bits, value).dot(bar.value));
+        self.bars.n = self.bars.n + masked(bits, n_bar);
+        bar.value * direction_irradiance(n, w)
+    }
 
-/// Adds the cotangents of a normal, of the arriving ray and of an interface.
-fn add(
-    bits: u32,
-    (n, direction, s): (V3<Lane>, V3<Lane>, &Interface<Lane>),
-    bars: &mut VertexBars,
-) {
-    bars.n = bars.n + masked(bits, n);
-    bars.direction = bars.direction + masked(bits, direction);
-    bars.add_interface(bits, s);
+    /// Adds the cotangents of the normal, of the arriving ray and of the interface.
+    fn add(&mut self, bits: u32, (n, direction, s): (V3<Lane>, V3<Lane>, &Interface<Lane>)) {
+        let bars = &mut *self.bars;
+        bars.n = bars.n + masked(bits, n);
+        bars.direction = bars.direction + masked(bits, direction);
+        bars.add_interface(bits, s);
+    }
 }
