@@ -9,6 +9,7 @@ use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 pub enum Contender {
     Mixture(Mixture),
     Differences,
+    CarriedDifferences,
 }
 
 impl Contender {
@@ -18,8 +19,14 @@ impl Contender {
         match self {
             Contender::Mixture(mixture) => settled.constants.mixture = Some(mixture),
             Contender::Differences => settled.method = Method::REFERENCE,
+            Contender::CarriedDifferences => settled.method = Method::CarriedFd,
         }
         settled
+    }
+
+    /// Whether it compares images.
+    pub fn is_difference(self) -> bool {
+        !matches!(self, Contender::Mixture(_))
     }
 
     /// In words.
@@ -38,7 +45,8 @@ impl Contender {
                 };
                 format!("{film}, {lobes}")
             }
-            Contender::Differences => "finite differences".into(),
+            Contender::Differences => Method::REFERENCE.title().into(),
+            Contender::CarriedDifferences => Method::CarriedFd.title().into(),
         }
     }
 }

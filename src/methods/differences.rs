@@ -6,6 +6,7 @@
 //! D(2h))/3. Russian roulette is off, since a path that ends because θ moved is a jump that no
 //! derivative has.
 
+use super::carried::MOST_PIXELS;
 use super::difference_step::step;
 use super::error::EngineError;
 use super::prepared::Prepared;
@@ -15,25 +16,39 @@ use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::statistics::Statistics;
 use super::workers::Workers;
+use crate::paths::film::drift::DriftVelocity;
 use crate::picture::Image;
 use crate::scene::parameters::{Parameter, displace};
 use crate::scene::{Rgb, Scene};
 use crate::statistics::estimate::Estimate;
 use std::array::from_fn;
 
+/// The longest step, over the usual.
+const LONGEST: f64 = 2.0;
+
 /// Renderings that one difference takes.
 pub const IMAGES: usize = 4;
 
-/// The gradient image along `direction`, by differences of the usual step.
+/// The gradient image along `direction`, by differences of the usual step. The samples may be
+/// carried along with the film's drift ([`super::carried`]).
 pub fn forward(
     scene: &Scene,
     workers: &Workers,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
+    carried: Option<DriftVelocity>,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let step = step(scene, settings, direction)?;
-    forward_by_step(scene, workers, settings, direction, step, progress)
+    let velocity = carried.map(|v| v.no_faster_than(MOST_PIXELS / (LONGEST * step)));
+    by_step(
+        scene,
+        workers,
+        settings,
+        direction,
+        (step, velocity.as_ref()),
+        progress,
+    )
 }
 
 /// The same by a step of one's own.
@@ -45,6 +60,17 @@ pub fn forward_by_step(
     step: f64,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
+    by_step(scene, workers, settings, direction, (step, None), progress)
+}
+
+fn by_step(
+    scene: &Scene,
+    workers: &Workers,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    (step, velocity): (f64, Option<&DriftVelocity>),
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     let refused = |e: crate::scene::SceneError| EngineError::Refused(e.to_string());
     statistics.notes.push(format!(
@@ -54,7 +80,7 @@ pub fn forward_by_step(
         rr_depth: u32::MAX,
         ..settings.clone()
     };
-    let offsets: [f64; IMAGES] = [-2.0, -1.0, 1.0, 2.0];
+    let offsets: [f64; IMAGES] = [-LONGEST, -1.0, 1.0, LONGEST];
     // D = Σ weight·I(θ + offset·h)/h.
     let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
     let mut sums = Sums::default();
@@ -68,7 +94,14 @@ pub fn forward_by_step(
         let prepared =
             Prepared::with_workers(&moved, workers, settings.backend, &|| progress.cancelled())?;
         statistics.spend("build", prepared.build_seconds);
-        let (images, size) = group_images(&prepared, &settings, &part_progress, &mut statistics)?;
+        let carried = velocity.map(|velocity| (velocity, offset * step));
+        let (images, size) = group_images(
+            &prepared,
+            &settings,
+            carried,
+            &part_progress,
+            &mut statistics,
+        )?;
         sums.add(&images, size, weight);
     }
     Ok(sums.finish(statistics))

@@ -1,5 +1,6 @@
 //! From what is asked for to the method that computes it.
 
+use super::carried;
 use super::differences;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
@@ -35,10 +36,10 @@ pub fn forward(
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    if settings.method.displaces_scenes() {
+    if settings.method.displaces_scenes() && !settings.method.carries_samples() {
         // Every image is of another scene: this one need not be prepared.
         let workers = Workers::new(settings.threads)?;
-        return differences::forward(scene, &workers, settings, direction, progress);
+        return differences::forward(scene, &workers, settings, direction, None, progress);
     }
     let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     let mut done = prepared.forward(settings, direction, progress)?;
@@ -102,7 +103,7 @@ impl Prepared<'_> {
     ) -> Result<(Vec<Image>, Statistics), EngineError> {
         let mut statistics = Statistics::default();
         let (groups, [width, height]) =
-            super::render::group_images(self, settings, progress, &mut statistics)?;
+            super::render::group_images(self, settings, None, progress, &mut statistics)?;
         let image = |pixels| Image {
             width,
             height,
@@ -126,9 +127,24 @@ impl Prepared<'_> {
             return Ok(done);
         }
         if settings.method.displaces_scenes() {
-            return differences::forward(self.scene, &self.workers, settings, direction, progress);
+            return self.differences(settings, direction, progress);
         }
         self.forward_by(settings, direction, settings.method.boundary(), progress)
+    }
+
+    /// The same by differences of images, whose samples are carried along if the method does that.
+    pub(super) fn differences(
+        &self,
+        settings: &Settings,
+        direction: &[(Parameter, Vec<f32>)],
+        progress: &dyn Progress,
+    ) -> Result<ForwardGradient, EngineError> {
+        let carried = match settings.method.carries_samples() {
+            true => carried::velocity(self, settings, direction)?,
+            false => None,
+        };
+        let (scene, workers) = (self.scene, &self.workers);
+        differences::forward(scene, workers, settings, direction, carried, progress)
     }
 
     /// The same by stored paths, with the boundary terms that an estimator of one's own finds.

@@ -31,6 +31,7 @@ pub enum Method {
     WarpedArea,
     Interior,
     Fd,
+    CarriedFd,
     Auto,
 }
 
@@ -118,7 +119,10 @@ pub enum Way {
     Paths,
     /// Images of scenes that are displaced along one direction are compared. There is no reverse
     /// mode, and each image needs all the samples.
-    Images,
+    Images {
+        /// Whether the samples are carried along with what they see.
+        are_carried: bool,
+    },
 }
 
 const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
@@ -135,7 +139,7 @@ const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
 ]);
 
 /// All methods, the usual one first.
-pub const ESTIMATORS: [Estimator; 7] = [
+pub const ESTIMATORS: [Estimator; 8] = [
     Estimator {
         method: Method::Reparam,
         name: "reparam",
@@ -212,7 +216,17 @@ pub const ESTIMATORS: [Estimator; 7] = [
         title: "finite differences",
         about: "Finite differences: the reference",
         discontinuities: Discontinuities::ByDefinition,
-        way: Way::Images,
+        way: Way::Images { are_carried: false },
+        boundary: None,
+        film: None,
+    },
+    Estimator {
+        method: Method::CarriedFd,
+        name: "carried-fd",
+        title: "carried finite differences",
+        about: "Finite differences whose samples are carried along with what they see",
+        discontinuities: Discontinuities::ByDefinition,
+        way: Way::Images { are_carried: true },
         boundary: None,
         film: None,
     },
@@ -220,7 +234,7 @@ pub const ESTIMATORS: [Estimator; 7] = [
         method: Method::Auto,
         name: "auto",
         title: "auto",
-        about: "Of reparam, edges, mixtures of both and fd what a pilot finds the least noise in",
+        about: "Of reparam, edges, mixtures of both and differences what a pilot finds the least noise in",
         discontinuities: FOUND_BY_CELLS,
         way: Way::Paths,
         boundary: Some(|adjacency, moving, constants| {
@@ -243,7 +257,16 @@ impl Method {
 
     /// Its row of the table.
     pub fn estimator(self) -> &'static Estimator {
-        let [reparam, edges, loubet, warped_area, interior, fd, auto] = &ESTIMATORS;
+        let [
+            reparam,
+            edges,
+            loubet,
+            warped_area,
+            interior,
+            fd,
+            carried_fd,
+            auto,
+        ] = &ESTIMATORS;
         match self {
             Method::Reparam => reparam,
             Method::Edges => edges,
@@ -251,6 +274,7 @@ impl Method {
             Method::WarpedArea => warped_area,
             Method::Interior => interior,
             Method::Fd => fd,
+            Method::CarriedFd => carried_fd,
             Method::Auto => auto,
         }
     }
@@ -277,7 +301,12 @@ impl Method {
 
     /// Whether it renders displaced scenes, and keeps whole images of every group of samples.
     pub fn displaces_scenes(self) -> bool {
-        self.estimator().way == Way::Images
+        matches!(self.estimator().way, Way::Images { .. })
+    }
+
+    /// Whether the samples of such images are carried along with what they see.
+    pub fn carries_samples(self) -> bool {
+        self.estimator().way == Way::Images { are_carried: true }
     }
 
     /// Whether a pilot has to say what it comes to.

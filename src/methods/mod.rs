@@ -1,6 +1,7 @@
 //! The estimators behind `--method`, and the one interface through which commands use them.
 
 mod backward;
+mod carried;
 mod clock;
 mod contender;
 mod decisions;

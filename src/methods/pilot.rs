@@ -6,10 +6,10 @@
 //! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
 //! in rays and not in seconds, so all processes and all runs come to the same.
 
+use super::carried;
 use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
-use super::differences;
 use super::error::EngineError;
 use super::estimators::{Constants, Method};
 use super::prepared::Prepared;
@@ -38,6 +38,9 @@ const LEAST_SHARE: f64 = 1.0 / 64.0;
 const WORTHWHILE: f64 = 1.2;
 /// And differences, whose work is compared worse, over the best of all else.
 const WORTHWHILE_DIFFERENCES: f64 = 1.4;
+/// If differences are so many times better or worse than what is usual, others of the better kind
+/// need no trial to tell which kind is best.
+const CLEARLY: f64 = 4.0;
 
 /// What one may ask for.
 pub enum Question<'a> {
@@ -99,39 +102,31 @@ impl Prepared<'_> {
         let usual = Mixture::default();
         match trials.run(Contender::Mixture(usual)) {
             Err(EngineError::Refused(sentence)) if has_differences => {
-                return Ok((Contender::Differences, Pilot::without_trials(sentence)));
+                let way = match carries(self, &settings, direction)? {
+                    true => Contender::CarriedDifferences,
+                    false => Contender::Differences,
+                };
+                return Ok((way, Pilot::without_trials(sentence)));
             }
             tried => tried?,
         }
-        let Possible {
-            drifts,
-            edges,
-            edges_from_rest,
-        } = possible(self, &settings, direction)?;
-        let looks_over_lobes = trials.done[0].rays.contains_key("bounce_cell");
-        let on_film = [
-            (OnFilm::Resting, drifts),
-            (OnFilm::Edges, edges || edges_from_rest),
-        ];
-        for (film, is_possible) in on_film {
-            if is_possible {
-                trials.run(Contender::Mixture(Mixture { film, ..usual }))?;
-            }
+        let possible = possible(self, &settings, direction)?;
+        if !has_differences {
+            trials.run_mixtures(&possible)?;
+            return Ok((trials.best(), trials.into_pilot()));
         }
-        let film = match trials.best() {
-            Contender::Mixture(best) => best.film,
-            Contender::Differences => usual.film,
+        if carries(self, &settings, direction)? {
+            trials.run(Contender::CarriedDifferences)?;
+        }
+        // How much better differences are than what is usual, if some have been tried.
+        let lead = match trials.done[..] {
+            [ref usual, ref carried] => usual.cost() / carried.cost(),
+            _ => 1.0,
         };
-        let over_lobes = [
-            (OverLobes::EdgesFromRest, edges_from_rest),
-            (OverLobes::Edges, edges),
-        ];
-        for (lobes, is_possible) in over_lobes {
-            if is_possible && looks_over_lobes {
-                trials.run(Contender::Mixture(Mixture { film, lobes }))?;
-            }
+        if lead < CLEARLY {
+            trials.run_mixtures(&possible)?;
         }
-        if has_differences {
+        if lead * CLEARLY > 1.0 {
             trials.run(Contender::Differences)?;
         }
         let best = trials.best();
@@ -195,7 +190,17 @@ fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<Settings, Engine
     Ok(own)
 }
 
-/// What is worth a try.
+/// Whether the samples of differences could be carried along.
+fn carries(
+    prepared: &Prepared,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Result<bool, EngineError> {
+    let tangent = parameters::tangent(prepared.scene, direction, settings.sensor)?;
+    Ok(carried::is_possible(prepared.scene, settings, &tangent))
+}
+
+/// Which mixtures are worth a try.
 struct Possible {
     /// Whether the film would drift.
     drifts: bool,
@@ -263,9 +268,8 @@ impl Trials<'_> {
                 let boundary = Method::Auto.boundary();
                 prepared.forward_by(&settings, direction, boundary, &quiet)?
             }
-            Contender::Differences => {
-                let (scene, workers) = (prepared.scene, &prepared.workers);
-                differences::forward(scene, workers, &settings, direction, &quiet)?
+            Contender::Differences | Contender::CarriedDifferences => {
+                prepared.differences(&way.settle(&settings), direction, &quiet)?
             }
         };
         let environment = prepared.scene.environment.as_ref();
@@ -279,22 +283,63 @@ impl Trials<'_> {
         Ok(())
     }
 
-    /// What has the least noise for its work, or the usual if that is nearly as good.
-    fn best(&self) -> Contender {
-        let usual = &self.done[0];
-        let least = |is_difference: bool| {
-            let done = self.done.iter();
-            let of_kind = done.filter(|t| (t.way == Contender::Differences) == is_difference);
-            of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
+    /// Tries other mixtures than the usual.
+    fn run_mixtures(&mut self, possible: &Possible) -> Result<(), EngineError> {
+        let Possible {
+            drifts,
+            edges,
+            edges_from_rest,
+        } = *possible;
+        let usual = Mixture::default();
+        let looks_over_lobes = self.done[0].rays.contains_key("bounce_cell");
+        let on_film = [
+            (OnFilm::Resting, drifts),
+            (OnFilm::Edges, edges || edges_from_rest),
+        ];
+        for (film, is_possible) in on_film {
+            if is_possible {
+                self.run(Contender::Mixture(Mixture { film, ..usual }))?;
+            }
+        }
+        let film = match self.best_mixture().way {
+            Contender::Mixture(best) => best.film,
+            Contender::Differences | Contender::CarriedDifferences => usual.film,
         };
-        let best = match least(false) {
+        let over_lobes = [
+            (OverLobes::EdgesFromRest, edges_from_rest),
+            (OverLobes::Edges, edges),
+        ];
+        for (lobes, is_possible) in over_lobes {
+            if is_possible && looks_over_lobes {
+                self.run(Contender::Mixture(Mixture { film, lobes }))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What has the least noise for its work.
+    fn best(&self) -> Contender {
+        let ours = self.best_mixture();
+        match self.least(true) {
+            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < ours.cost() => it.way,
+            _ => ours.way,
+        }
+    }
+
+    /// The same without differences; the usual if that is nearly as good.
+    fn best_mixture(&self) -> &Tried {
+        let usual = &self.done[0];
+        match self.least(false) {
             Some(best) if best.cost() * WORTHWHILE < usual.cost() => best,
             _ => usual,
-        };
-        match least(true) {
-            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < best.cost() => it.way,
-            _ => best.way,
         }
+    }
+
+    /// The least of what has been tried, among differences or all else.
+    fn least(&self, is_difference: bool) -> Option<&Tried> {
+        let done = self.done.iter();
+        let of_kind = done.filter(|t| t.way.is_difference() == is_difference);
+        of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
     }
 
     fn into_pilot(self) -> Pilot {
@@ -327,7 +372,8 @@ fn variance(found: &ForwardGradient) -> f64 {
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: bool) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
         (Contender::Differences, "camera") => 0.036,
-        (Contender::Differences, _) => 0.07,
+        (Contender::CarriedDifferences, "camera") => 0.15,
+        (Contender::Differences | Contender::CarriedDifferences, _) => 0.07,
         (Contender::Mixture(_), "camera") => 0.08,
         (Contender::Mixture(_), "shadow") => 0.3,
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,

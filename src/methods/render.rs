@@ -11,8 +11,9 @@ use super::stage::Stage;
 use super::statistics::Statistics;
 use crate::paths::counts::Counts;
 use crate::paths::estimator::Interior;
+use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
-use crate::paths::film::tile::TracedTile;
+use crate::paths::film::tile::{TracedTile, trace_carried};
 use crate::paths::integrator::Integrator;
 use crate::paths::store::TileStore;
 use crate::room;
@@ -32,17 +33,19 @@ pub fn render(
     };
     let stage = Stage::new(prepared, &settings, None, &mut statistics)?;
     let mut images = stage.group_images()?;
-    trace(&stage, progress, &mut statistics, |group, block| {
+    trace(&stage, None, progress, &mut statistics, |group, block| {
         images.add(group, block)
     })?;
     let image = stage.image(images.finish()?.0);
     Ok(Rendering { image, statistics })
 }
 
-/// Images of each group of samples that is done here.
+/// Images of each group of samples that is done here; the samples may be carried along with the
+/// film's drift for a time.
 pub fn group_images(
     prepared: &Prepared,
     settings: &Settings,
+    carried: Option<(&DriftVelocity, f64)>,
     progress: &dyn Progress,
     statistics: &mut Statistics,
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
@@ -52,7 +55,7 @@ pub fn group_images(
     let images = own.clone().map(|_| room::filled([0.0; 3], pixels));
     let mut images = images.collect::<Result<Vec<_>, _>>()?;
     let width = stage.size[0];
-    trace(&stage, progress, statistics, |group, block| {
+    trace(&stage, carried, progress, statistics, |group, block| {
         block.add_to(&mut images[(group - own.start) as usize], width);
     })?;
     Ok((images, stage.size))
@@ -60,6 +63,7 @@ pub fn group_images(
 
 fn trace(
     stage: &Stage,
+    carried: Option<(&DriftVelocity, f64)>,
     progress: &dyn Progress,
     statistics: &mut Statistics,
     mut merge: impl FnMut(u32, &Block),
@@ -79,13 +83,20 @@ fn trace(
         |group, index| {
             let start = Instant::now();
             let tile = stage.lattice.tile(index, group, stage.seed);
-            let store = stores.take(TileStore::default);
-            let traced = TracedTile::trace(&integrator, &stage.filter, tile, false, store);
-            let mut block = Block::new(&stage.filter, &traced.tile);
-            traced.splat(&traced.image.radiance, &mut block);
+            let mut store = stores.take(TileStore::default);
+            let carried = carried.filter(|(velocity, _)| !velocity.rests_over(&tile));
+            let done = if let Some(carried) = carried {
+                trace_carried(&integrator, &stage.filter, &tile, carried, &mut store)
+            } else {
+                let traced = TracedTile::trace(&integrator, &stage.filter, tile, false, store);
+                let mut block = Block::new(&stage.filter, &traced.tile);
+                traced.splat(&traced.image.radiance, &mut block);
+                store = traced.store;
+                (block, traced.counts)
+            };
             clock.add_tracing(start);
-            stores.give_back(traced.store);
-            (block, traced.counts)
+            stores.give_back(store);
+            done
         },
         |group, (block, tile_counts)| {
             merge(group, &block);

@@ -11,9 +11,9 @@ use warpath::scene::{Filter, Scene};
 /// Independent runs of each method.
 const RUNS: u64 = 12;
 /// How far from the truth a right answer may be.
-const SIGMAS: f64 = 4.0;
+pub const SIGMAS: f64 = 4.0;
 /// The largest standard error of the gradient's size that still means something.
-const RESOLUTION: f64 = 0.02;
+pub const RESOLUTION: f64 = 0.02;
 
 /// Radiance of the sky.
 pub const SKY: [f32; 3] = [0.7, 0.8, 1.0];

@@ -8,6 +8,7 @@ mod analytic_sharp_shadow;
 mod beams;
 mod black;
 mod bowls;
+mod carried_differences;
 mod chains;
 mod detail;
 mod determinism;

@@ -25,6 +25,12 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
             method.name()
         )));
     }
+    if !method.has_reverse_mode() {
+        return Err(Failure::Usage(format!(
+            "--method {} does not run backward, which is checked, too; use it with forward",
+            method.name()
+        )));
+    }
     let session = Session::open("check", &arguments.trace, typed, Some(method), true)?;
     let settings = session.settings.clone();
     let direction = direction::resolve(&session.scene, &arguments.parameters, settings.sensor)?;

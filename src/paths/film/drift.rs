@@ -21,7 +21,7 @@
 
 use crate::lanes::{LANES, Lane};
 use crate::paths::film::camera::Camera;
-use crate::paths::film::lattice::Lattice;
+use crate::paths::film::lattice::{Lattice, Tile};
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
@@ -60,8 +60,8 @@ pub struct Drift {
 }
 
 /// Velocities of all nodes along one direction of parameters, in pixels.
-pub struct DriftVelocity<'a> {
-    drift: &'a Drift,
+pub struct DriftVelocity {
+    grid: DriftGrid,
     nodes: Vec<[f64; 2]>,
 }
 
@@ -97,14 +97,21 @@ impl DriftGrid {
         (0..2).any(|i| at[i] == 0 || at[i] + 1 == self.nodes[i])
     }
 
+    /// Of the four nodes around a point, the first; the nearest four for points beyond the rim.
+    fn cell(&self, at: [f64; 2]) -> [usize; 2] {
+        [0, 1].map(|i| {
+            let place = (at[i] - self.start[i]) / self.spacing[i];
+            place.floor().clamp(0.0, self.nodes[i] as f64 - 2.0) as usize
+        })
+    }
+
     /// The shares of the nodes around a point; bilinear.
     pub fn shares(&self, at: [f64; 2]) -> [Share; 4] {
+        let cell = self.cell(at);
         let axis = |i: usize| {
-            let place = (at[i] - self.start[i]) / self.spacing[i];
-            let first = place.floor().clamp(0.0, self.nodes[i] as f64 - 2.0);
+            let part = (at[i] - self.start[i]) / self.spacing[i] - cell[i] as f64;
             // Outer lattice points lie beyond the rim, where there is no drift.
-            let part = place - first;
-            (first as usize, part, (0.0..=1.0).contains(&part))
+            (cell[i], part, (0.0..=1.0).contains(&part))
         };
         let [(x, s, in_x), (y, t, in_y)] = [axis(0), axis(1)];
         if !(in_x && in_y) {
@@ -169,7 +176,7 @@ impl Drift {
     }
 
     /// The velocities of all nodes, given those of what is followed.
-    pub fn velocity(&self, of: impl Fn(&Followed) -> [f64; 2]) -> DriftVelocity<'_> {
+    pub fn velocity(&self, of: impl Fn(&Followed) -> [f64; 2]) -> DriftVelocity {
         let node = |followed: &Vec<Followed>| {
             followed.iter().fold([0.0; 2], |sum, f| {
                 let own = of(f);
@@ -177,23 +184,118 @@ impl Drift {
             })
         };
         DriftVelocity {
-            drift: self,
+            grid: self.grid.clone(),
             nodes: self.followed.iter().map(node).collect(),
         }
     }
 }
 
-impl DriftVelocity<'_> {
+impl DriftVelocity {
     /// Velocity in pixels, and its divergence, at a film point.
     pub fn at(&self, at: [f64; 2]) -> ([f64; 2], f64) {
+        let (velocity, [[xx, _], [_, yy]]) = self.with_slopes(at);
+        (velocity, xx + yy)
+    }
+
+    /// Where a film point is carried to in a time, and how many times as large the film is around
+    /// it then.
+    pub fn carry(&self, at: [f64; 2], time: f64) -> ([f64; 2], f64) {
+        let (velocity, slopes) = self.with_slopes(at);
+        let [[xx, xy], [yx, yy]] = slopes.map(|row| row.map(|slope| time * slope));
+        let place = [0, 1].map(|i| at[i] + time * velocity[i]);
+        (place, (1.0 + xx) * (1.0 + yy) - xy * yx)
+    }
+
+    /// Whether it is zero all over a tile.
+    pub fn rests_over(&self, tile: &Tile) -> bool {
+        let ends = [tile.start, tile.end].map(|at| at.map(f64::from));
+        let [low, high] = ends.map(|at| self.grid.cell(at));
+        let rows = low[1]..=high[1] + 1;
+        rows.flat_map(|y| (low[0]..=high[0] + 1).map(move |x| (x, y)))
+            .all(|(x, y)| self.nodes[y * self.grid.nodes[0] + x] == [0.0; 2])
+    }
+
+    /// Velocity in pixels, and how each of its components changes per pixel along both axes.
+    fn with_slopes(&self, at: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
         let mut velocity = [0.0; 2];
-        let mut divergence = 0.0;
-        for share in self.drift.grid.shares(at) {
+        let mut slopes = [[0.0; 2]; 2];
+        for share in self.grid.shares(at) {
             let node = self.nodes[share.node];
-            velocity[0] += share.weight * node[0];
-            velocity[1] += share.weight * node[1];
-            divergence += share.gradient[0] * node[0] + share.gradient[1] * node[1];
+            for (i, slope) in slopes.iter_mut().enumerate() {
+                velocity[i] += share.weight * node[i];
+                slope[0] += share.gradient[0] * node[i];
+                slope[1] += share.gradient[1] * node[i];
+            }
         }
-        (velocity, divergence)
+        (velocity, slopes)
+    }
+
+    /// The same with no node faster than this, in pixels.
+    pub fn no_faster_than(mut self, most: f64) -> Self {
+        for node in &mut self.nodes {
+            let speed = node[0].hypot(node[1]);
+            if speed > most {
+                *node = node.map(|v| v * most / speed);
+            }
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn swirl() -> DriftVelocity {
+        let grid = DriftGrid::new(&Lattice::new(4, [7, 5], 2));
+        let velocity = |node: usize| match grid.is_rim(node) {
+            true => [0.0; 2],
+            false => [(node as f64).sin(), (2.0 * node as f64).cos()],
+        };
+        let nodes = (0..grid.nodes[0] * grid.nodes[1]).map(velocity).collect();
+        DriftVelocity { grid, nodes }
+    }
+
+    /// How much the film grows is the determinant of what points are carried to, and in sum the
+    /// film is carried onto itself.
+    #[test]
+    fn a_film_is_carried_onto_itself() {
+        let swirl = swirl().no_faster_than(0.9);
+        let time = 0.3;
+        let grid = &swirl.grid;
+        let intervals = grid.nodes.map(|n| n - 1);
+        // The growth is bilinear between nodes, so the mean of points that lie evenly is right.
+        let per_interval = 7;
+        let step = grid.spacing.map(|spacing| spacing / per_interval as f64);
+        let mut area = 0.0;
+        for i in 0..per_interval * intervals[0] {
+            for j in 0..per_interval * intervals[1] {
+                let at = [(0, i), (1, j)].map(|(k, n)| grid.start[k] + step[k] * (n as f64 + 0.5));
+                let (_, growth) = swirl.carry(at, time);
+                assert!(growth > 0.0, "{at:?}");
+                area += growth * step[0] * step[1];
+                let h = 1e-6;
+                let [right, left, down, up] = [[h, 0.0], [-h, 0.0], [0.0, h], [0.0, -h]]
+                    .map(|by| swirl.carry([at[0] + by[0], at[1] + by[1]], time).0);
+                let [xx, yx] = [0, 1].map(|i| (right[i] - left[i]) / (2.0 * h));
+                let [xy, yy] = [0, 1].map(|i| (down[i] - up[i]) / (2.0 * h));
+                assert!((growth - (xx * yy - xy * yx)).abs() < 1e-6, "{at:?}");
+            }
+        }
+        assert!((area - 99.0).abs() < 1e-6, "{area}");
+    }
+
+    #[test]
+    fn a_tile_rests_if_all_its_nodes_do() {
+        let lattice = Lattice::new(4, [64, 64], 2);
+        let grid = DriftGrid::new(&lattice);
+        let mut nodes = vec![[0.0; 2]; grid.nodes[0] * grid.nodes[1]];
+        nodes[2 * grid.nodes[0] + 2] = [1.0, 0.0];
+        let velocity = DriftVelocity { grid, nodes };
+        for index in 0..lattice.tile_count() {
+            let tile = lattice.tile(index, 0, 1);
+            let is_first = tile.start == [-2; 2];
+            assert_eq!(velocity.rests_over(&tile), !is_first, "{tile:?}");
+        }
     }
 }

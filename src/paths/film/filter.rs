@@ -13,7 +13,7 @@ const MAX_REACH: usize = 9;
 /// A filter over the whole film.
 #[derive(Clone, Debug)]
 pub struct FilmFilter {
-    filter: Filter,
+    pub filter: Filter,
     radius: f64,
     size: [usize; 2],
     /// 1/∫h_j along each axis, a pixel at a time.
@@ -59,11 +59,6 @@ impl FilmFilter {
     /// Pixels around the film whose samples reach it.
     pub fn border(filter: Filter) -> u32 {
         (filter.radius() - 0.5 - 1e-3).ceil().max(0.0) as u32
-    }
-
-    /// Whether it has a slope everywhere, and no jump.
-    pub fn is_continuous(&self) -> bool {
-        !matches!(self.filter, Filter::Box { .. })
     }
 
     /// Normalised weights at film position `u` along axis `i`, per pixel of film.
@@ -133,6 +128,11 @@ impl Taps {
 }
 
 impl Filter {
+    /// Whether it has no jump.
+    pub fn is_continuous(self) -> bool {
+        !matches!(self, Filter::Box { .. })
+    }
+
     /// Half the filter's support in pixels.
     pub fn radius(self) -> f64 {
         match self {

@@ -4,4 +4,5 @@ pub mod camera;
 pub mod drift;
 pub mod filter;
 pub mod lattice;
+pub mod node_hits;
 pub mod tile;

@@ -4,6 +4,7 @@ use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
+use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::{Block, FilmFilter, Taps};
 use crate::paths::film::lattice::{LatticeImage, Tile};
 use crate::paths::integrator::Integrator;
@@ -13,6 +14,7 @@ use crate::paths::store::{MovingFilmPath, TileStore};
 use crate::paths::warp::seam::{FilmPoints, Warp};
 use crate::scene::Rgb;
 use crate::trace::geometry::NO_TRIANGLE;
+use std::array::from_fn;
 
 /// A tile whose paths are traced and, if they were to be kept, stored.
 pub struct TracedTile {
@@ -23,6 +25,42 @@ pub struct TracedTile {
     pub taps: [Vec<Taps>; 2],
     /// Whether the outer rows and columns were traced.
     with_outer: bool,
+}
+
+/// Renders a tile whose samples are carried along with the film's drift for a time: each keeps its
+/// random numbers.
+pub fn trace_carried(
+    integrator: &Integrator,
+    filter: &FilmFilter,
+    tile: &Tile,
+    (velocity, time): (&DriftVelocity, f64),
+    store: &mut TileStore,
+) -> (Block, Counts) {
+    store.clear();
+    let mut block = Block::new(filter, tile);
+    let mut not_finite = 0;
+    let area = tile.step[0] * tile.step[1];
+    for packet in packets(tile, false) {
+        store.forget_paths();
+        let carried: [_; LANES] = from_fn(|lane| {
+            let at = [(0, packet.column + lane), (1, packet.row)];
+            velocity.carry(at.map(|(axis, point)| tile.position(axis, point)), time)
+        });
+        let [u, v] = [0, 1].map(|axis| from_fn(|lane| carried[lane].0[axis] as f32).into());
+        let packet = FilmPacket { u, v, ..packet };
+        let radiance = to_rgb(trace_packet(integrator, tile, &packet, store));
+        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+            let ([x, y], growth) = carried[lane];
+            let value = radiance[lane].map(|c| c * (growth * area) as f32);
+            if value.iter().all(|c| c.is_finite()) {
+                block.add_point(&filter.taps(0, x), &filter.taps(1, y), value);
+            } else {
+                not_finite += 1;
+            }
+        }
+    }
+    store.counts.not_finite = not_finite;
+    (block, store.counts)
 }
 
 /// A packet of film samples: a part of one lattice row.

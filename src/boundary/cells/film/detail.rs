@@ -7,11 +7,11 @@
 //! image's noise brings while its filter slides, in proportion to one over a pixel, and is less
 //! where r is some pixels or less.
 
-use super::node_hit::Hit;
 use crate::boundary::search_scene::SearchScene;
 use crate::kernels::frame::direction_from_local;
 use crate::lanes::LANES;
 use crate::paths::dimensions::Single;
+use crate::paths::film::node_hits::Hit;
 use crate::paths::random::Stream;
 use crate::paths::rays::{from_lanes, lane_of};
 use crate::paths::surface::lobe_sample::cosine_direction;

@@ -9,25 +9,17 @@
 //! (`pictures`), it follows what it hits of that. Elsewhere the node rests. The few borders there are
 //! found for sure, and an image's noise would be worse than theirs.
 
-use super::node_hit::Hit;
 use super::{detail, pictures};
 use crate::boundary::search_scene::SearchScene;
-use crate::discontinuity::boundary::{dvec3, vector};
-use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
-use crate::paths::dimensions::Single;
 use crate::paths::estimator::WholeFilm;
 use crate::paths::film::drift::{Drift, DriftGrid, Followed};
+use crate::paths::film::node_hits::{self, Hit, NodeHits};
 use crate::paths::random::Stream;
-use crate::paths::rays::from_lanes;
-use crate::trace::Coherence;
-use crate::trace::geometry::NO_TRIANGLE;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-
-/// The pilot has a group to itself.
-const GROUP: u32 = u32::MAX;
+use std::mem::take;
 
 /// So many pieces, and the void among them, are many.
 const MANY: usize = 3;
@@ -46,7 +38,7 @@ pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
         || pieces.count() + 1 >= MANY
         || meshes.into_iter().any(has_detail)
         || follows_all(scene);
-    if !film.filter.is_continuous() || !may {
+    if !film.filter.filter.is_continuous() || !may {
         return None;
     }
     let grid = DriftGrid::new(film.lattice);
@@ -54,7 +46,7 @@ pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
     let pilot = Pilot {
         scene,
         grid: &grid,
-        stream: Stream::new(film.seed, [GROUP, 0]),
+        stream: node_hits::stream(film.seed),
         per_pixel: ((columns * rows) as f64).sqrt(),
     };
     let nodes = grid.nodes[0] * grid.nodes[1];
@@ -81,55 +73,15 @@ fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
     if grid.is_rim(node) {
         return Vec::new();
     }
-    let view = scene.view;
-    let camera = &view.camera;
-    let middle = grid.position(node);
-    let points: [[f64; 2]; LANES] = std::array::from_fn(|point| {
-        [0, 1].map(|i| {
-            let name = [node as u32, point as u32, i as u32];
-            let random = f64::from(pilot.stream.single(Single::DriftPoint, name));
-            middle[i] + (2.0 * random - 1.0) * grid.spacing[i]
-        })
-    });
-    let directions = points.map(|[u, v]| dvec3(camera.direction(u, v)));
-    let rays = camera.rays(
-        from_lanes(&directions.map(|d| d.as_vec3())),
-        u32::MAX >> (32 - LANES),
-    );
-    let geometry = view.geometry;
-    let seen = view.intersect(&rays, Coherence::Coherent);
-    let hit = |lane: usize| {
-        let triangle = seen[lane];
-        let corners = geometry.triangles[triangle as usize];
-        let [v0, v1, v2] = corners.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
-        let origin = vector(camera.origin.as_dvec3());
-        let (distance, b1, b2) = triangle_hit(origin, vector(directions[lane]), v0, v1, v2);
-        let mesh = geometry.mesh_of_triangle[triangle as usize];
-        Hit {
-            lane,
-            triangle,
-            mesh,
-            distance,
-            barycentrics: [b1, b2],
-            moves: scene.moving.moves_mesh(mesh as usize),
-        }
-    };
-    let met = (0..LANES).filter(|&l| seen[l] != NO_TRIANGLE).map(hit);
-    let met = met.filter(|h| h.distance.is_finite()).collect();
-    let hits = worth_following(pilot, node, &directions, met);
+    let moves = |mesh| scene.moving.moves_mesh(mesh);
+    let mut seen = NodeHits::around(scene.view, &pilot.stream, (grid, node), moves);
+    let hits = worth_following(pilot, node, &seen.directions, take(&mut seen.hits));
     if !hits.iter().any(|h| h.moves) {
         return Vec::new();
     }
-    let follow = |hit: &Hit| {
-        let [b1, b2] = hit.barycentrics;
-        Followed {
-            triangle: geometry.triangles[hit.triangle as usize],
-            barycentrics: [1.0 - b1 - b2, b1, b2],
-            at: points[hit.lane],
-            share: 1.0 / hits.len() as f64,
-        }
-    };
-    hits.iter().map(follow).collect()
+    let share = 1.0 / hits.len() as f64;
+    let followed = hits.iter().map(|h| seen.follow(scene.view, h, share));
+    followed.collect()
 }
 
 /// Those of a node's hits that it follows.

@@ -4,7 +4,6 @@ pub mod cell;
 pub mod crowds;
 mod detail;
 pub mod drift;
-mod node_hit;
 mod pictures;
 mod rims;
 pub mod search;

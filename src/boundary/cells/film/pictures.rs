@@ -5,8 +5,8 @@
 //! what an image's noise brings while its filter slides, which is as if all changed by about
 //! itself from pixel to pixel.
 
-use super::node_hit::Hit;
 use crate::boundary::search_scene::SearchScene;
+use crate::paths::film::node_hits::Hit;
 use crate::paths::surface::interface::texture_at;
 use crate::scene::{Layout, Scene};
 use glam::{DVec3, Vec3};

@@ -1,0 +1,105 @@
+//! Differences whose samples are carried along with what they see: the same in the mean as those of
+//! samples that rest, and less noisy where there are many edges or smooth curved surfaces.
+
+use common::comparison::{RESOLUTION, SIGMAS, SKY, foliage, small_floor};
+use common::materials::Paint;
+use common::scenes::*;
+use common::{direction, gradient, settings, variance};
+use glam::{Vec2, vec3};
+use warpath::methods::{Method, Settings};
+use warpath::scene::{Lens, Scene};
+use warpath::statistics::agreement::Agreement;
+
+const CAMERA: [(&str, &[f32]); 2] = [
+    ("cam.translation", &[1.0, 0.3, 0.2]),
+    ("cam.rotation", &[0.1, 0.2, 0.3]),
+];
+
+/// A dented ball of polished metal on a floor, which sees itself.
+fn metal() -> Scene {
+    let ball = spiky(vec3(0.0, 0.0, 0.4), 0.4, [1.0, 0.85]);
+    small_floor()
+        .constant_environment(SKY)
+        .depth(6)
+        .smooth("thing", ball, [0.8; 3])
+        .mirror("thing")
+}
+
+/// The same number as with samples at rest.
+#[test]
+fn they_agree_with_differences() {
+    let thing: [(&str, &[f32]); 2] = [
+        ("thing.translation", &[1.0, 0.3, 0.2]),
+        ("thing.rotation", &[0.2, 0.1, 1.0]),
+    ];
+    let leaves: [(&str, &[f32]); 1] = [("leaves.translation", &[0.3, 0.2, 1.0])];
+    for (scene, parts, spp) in [
+        (foliage(), &CAMERA[..], 1024),
+        (foliage(), &leaves, 1024),
+        (metal(), &thing, 1024),
+        (metal(), &CAMERA, 1024),
+    ] {
+        let along = direction(&scene, parts);
+        let runs = |method, spp, first| -> Vec<Vec<f64>> {
+            let seeds = first..first + 12;
+            seeds
+                .map(|seed| gradient(&scene, &settings(&scene, method, spp, seed), &along))
+                .collect()
+        };
+        let reference = runs(Method::Fd, 4 * spp, 1000);
+        let carried = Agreement::new(&runs(Method::CarriedFd, spp, 1), &reference);
+        println!("{parts:?} {carried:.4?}");
+        assert!(carried.bias.error <= RESOLUTION, "{carried:.4?}");
+        assert!(carried.holds(SIGMAS), "{parts:?} {carried:.4?}");
+    }
+}
+
+#[test]
+fn they_are_less_noisy() {
+    let mut near = metal();
+    near.sensors[0].x_fov_rad *= 0.4;
+    for (scene, parts, by) in [
+        (&foliage(), &CAMERA[..], 5.0),
+        (&near, &[("thing.translation", &[1.0, 0.3, 0.2])], 2.0),
+        (&near, &CAMERA, 5.0),
+    ] {
+        let along = direction(scene, parts);
+        let [rest, carried] = [Method::Fd, Method::CarriedFd]
+            .map(|method| variance(scene, (method, 64), &along, 0..12));
+        println!("{parts:?} {}", rest / carried);
+        assert!(rest > by * carried, "{parts:?} {rest} {carried}");
+    }
+}
+
+/// Where nothing can be carried they are differences, to the last bit.
+#[test]
+fn some_films_rest() {
+    let mut parallel = metal();
+    parallel.sensors[0].lens = Lens::Parallel {
+        half_sides: Vec2::ONE,
+    };
+    let mut boxes = metal();
+    boxes.sensors[0].film.filter = BOX;
+    let moved: [(&str, &[f32]); 1] = [("thing.translation", &[1.0, 0.3, 0.2])];
+    let coloured: [(&str, &[f32]); 1] = [("floor.bsdf.reflectance.value", &[1.0, 0.5, 0.2])];
+    for (scene, parts) in [(parallel, moved), (boxes, moved), (metal(), coloured)] {
+        let along = direction(&scene, &parts);
+        let [rest, carried] = [Method::Fd, Method::CarriedFd]
+            .map(|method| gradient(&scene, &settings(&scene, method, 4, 1), &along));
+        assert_eq!(rest, carried);
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let scene = metal();
+    let along = direction(&scene, &CAMERA);
+    let [one, three] = [1, 3].map(|threads| {
+        let settings = Settings {
+            threads,
+            ..settings(&scene, Method::CarriedFd, 8, 5)
+        };
+        gradient(&scene, &settings, &along)
+    });
+    assert_eq!(one, three);
+}
