@@ -6,22 +6,24 @@
 //! D(2h))/3. Russian roulette is off, since a path that ends because θ moved is a jump that no
 //! derivative has.
 
-use super::carried::MOST_PIXELS;
+use super::carried;
 use super::difference_step::step;
+use super::edited::{Base, EditedScene};
 use super::error::EngineError;
+use super::followers::Followers;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::render::group_images;
 use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::statistics::Statistics;
-use super::workers::Workers;
 use crate::paths::film::drift::DriftVelocity;
 use crate::picture::Image;
-use crate::scene::parameters::{Parameter, displace};
-use crate::scene::{Rgb, Scene};
+use crate::scene::Rgb;
+use crate::scene::parameters::Parameter;
 use crate::statistics::estimate::Estimate;
 use std::array::from_fn;
+use std::time::Instant;
 
 /// The longest step, over the usual.
 const LONGEST: f64 = 2.0;
@@ -29,50 +31,43 @@ const LONGEST: f64 = 2.0;
 /// Renderings that one difference takes.
 pub const IMAGES: usize = 4;
 
-/// The gradient image along `direction`, by differences of the usual step. The samples may be
-/// carried along with the film's drift ([`super::carried`]).
+/// The gradient image along `direction`, by differences of the usual step; the samples are carried
+/// along with what they see if the method does that ([`super::carried`]).
 pub fn forward(
-    scene: &Scene,
-    workers: &Workers,
+    prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
-    carried: Option<DriftVelocity>,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    let step = step(scene, settings, direction)?;
-    let velocity = carried.map(|v| v.no_faster_than(MOST_PIXELS / (LONGEST * step)));
-    by_step(
-        scene,
-        workers,
-        settings,
-        direction,
-        (step, velocity.as_ref()),
-        progress,
-    )
+    let step = step(prepared.scene, settings, direction)?;
+    let velocity = match settings.method.carries_samples() {
+        true => carried::velocity(prepared, settings, direction)?,
+        false => None,
+    };
+    let velocity = velocity.map(|v| v.no_faster_than(carried::MOST_PIXELS / (LONGEST * step)));
+    let steps = (step, velocity.as_ref());
+    by_step(prepared, settings, direction, steps, progress)
 }
 
-/// The same by a step of one's own.
+/// The same by a step of one's own, with samples at rest.
 pub fn forward_by_step(
-    scene: &Scene,
-    workers: &Workers,
+    prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
     step: f64,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    by_step(scene, workers, settings, direction, (step, None), progress)
+    by_step(prepared, settings, direction, (step, None), progress)
 }
 
 fn by_step(
-    scene: &Scene,
-    workers: &Workers,
+    prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
     (step, velocity): (f64, Option<&DriftVelocity>),
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
-    let refused = |e: crate::scene::SceneError| EngineError::Refused(e.to_string());
     statistics.notes.push(format!(
         "finite differences with steps of {step:.3e} and twice that"
     ));
@@ -84,25 +79,33 @@ fn by_step(
     // D = Σ weight·I(θ + offset·h)/h.
     let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
     let mut sums = Sums::default();
+    let followers = Followers::new(settings.backend);
+    let base = Base {
+        scene: prepared.scene,
+        parts: &prepared.parts,
+        followers: &followers,
+    };
     for (part, (offset, weight)) in offsets.into_iter().zip(weights).enumerate() {
-        let moved = displace(scene, direction, offset * step).map_err(refused)?;
-        let part_progress = Part {
-            whole: progress,
-            part: part as u64,
-            parts: offsets.len() as u64,
-        };
-        let prepared =
-            Prepared::with_workers(&moved, workers, settings.backend, &|| progress.cancelled())?;
-        statistics.spend("build", prepared.build_seconds);
-        let carried = velocity.map(|velocity| (velocity, offset * step));
-        let (images, size) = group_images(
-            &prepared,
-            &settings,
-            carried,
-            &part_progress,
-            &mut statistics,
-        )?;
-        sums.add(&images, size, weight);
+        let start = Instant::now();
+        let mut displaced = EditedScene::new(base);
+        displaced.displace(direction, offset * step)?;
+        displaced.follow(prepared.workers.threads)?;
+        {
+            let there = displaced.prepare(&prepared.workers, &|| progress.cancelled())?;
+            statistics.add_seconds("build", start);
+            let part_progress = Part {
+                whole: progress,
+                part: part as u64,
+                parts: offsets.len() as u64,
+            };
+            let carried = velocity.map(|velocity| (velocity, offset * step));
+            let (images, size) =
+                group_images(&there, &settings, carried, &part_progress, &mut statistics)?;
+            sums.add(&images, size, weight);
+        }
+        if let Some(lease) = displaced.finish() {
+            followers.give_back(lease, || Some(Box::new(())));
+        }
     }
     Ok(sums.finish(statistics))
 }

@@ -1,6 +1,5 @@
 //! From what is asked for to the method that computes it.
 
-use super::carried;
 use super::differences;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
@@ -12,7 +11,6 @@ use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
 use super::statistics::{Pilot, Statistics};
 use super::tails::object_of;
-use super::workers::Workers;
 use crate::picture::Image;
 use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter};
@@ -36,11 +34,6 @@ pub fn forward(
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    if settings.method.displaces_scenes() && !settings.method.carries_samples() {
-        // Every image is of another scene: this one need not be prepared.
-        let workers = Workers::new(settings.threads)?;
-        return differences::forward(scene, &workers, settings, direction, None, progress);
-    }
     let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     let mut done = prepared.forward(settings, direction, progress)?;
     done.statistics.spend("build", prepared.build_seconds);
@@ -66,8 +59,8 @@ pub fn difference(
     step: f64,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    let workers = Workers::new(settings.threads)?;
-    differences::forward_by_step(scene, &workers, settings, direction, step, progress)
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    differences::forward_by_step(&prepared, settings, direction, step, progress)
 }
 
 /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
@@ -127,24 +120,9 @@ impl Prepared<'_> {
             return Ok(done);
         }
         if settings.method.displaces_scenes() {
-            return self.differences(settings, direction, progress);
+            return differences::forward(self, settings, direction, progress);
         }
         self.forward_by(settings, direction, settings.method.boundary(), progress)
-    }
-
-    /// The same by differences of images, whose samples are carried along if the method does that.
-    pub(super) fn differences(
-        &self,
-        settings: &Settings,
-        direction: &[(Parameter, Vec<f32>)],
-        progress: &dyn Progress,
-    ) -> Result<ForwardGradient, EngineError> {
-        let carried = match settings.method.carries_samples() {
-            true => carried::velocity(self, settings, direction)?,
-            false => None,
-        };
-        let (scene, workers) = (self.scene, &self.workers);
-        differences::forward(scene, workers, settings, direction, carried, progress)
     }
 
     /// The same by stored paths, with the boundary terms that an estimator of one's own finds.

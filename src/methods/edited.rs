@@ -49,6 +49,21 @@ impl<'a> EditedScene<'a> {
         Ok(())
     }
 
+    /// Takes the scene at a distance along a direction in place of its own.
+    pub fn displace(
+        &mut self,
+        direction: &[(Parameter, Vec<f32>)],
+        distance: f64,
+    ) -> Result<(), SceneError> {
+        let displaced = parameters::displace(self.base.scene, direction, distance)?;
+        self.changed = Some(displaced);
+        let targets = direction
+            .iter()
+            .filter_map(|(parameter, _)| parameter.target);
+        targets.for_each(|target| self.edits.mark(target));
+        Ok(())
+    }
+
     /// When all is set: gets a structure over the vertices, if any have moved.
     pub fn follow(&mut self, threads: usize) -> Result<(), EngineError> {
         if let Some(scene) = &self.changed

@@ -10,6 +10,7 @@ use super::carried;
 use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
+use super::differences;
 use super::error::EngineError;
 use super::estimators::{Constants, Method};
 use super::prepared::Prepared;
@@ -269,7 +270,7 @@ impl Trials<'_> {
                 prepared.forward_by(&settings, direction, boundary, &quiet)?
             }
             Contender::Differences | Contender::CarriedDifferences => {
-                prepared.differences(&way.settle(&settings), direction, &quiet)?
+                differences::forward(prepared, &way.settle(&settings), direction, &quiet)?
             }
         };
         let environment = prepared.scene.environment.as_ref();
