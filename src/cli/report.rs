@@ -136,11 +136,18 @@ impl Report {
             .iter()
             .filter(|(_, s)| **s > MOST_OF_ONE_PART);
         losses.extend(uncertain.map(|(key, share)| {
+            let (part, whole) = match key.as_str() {
+                "gradient" => ("one pixel in a thousand", "the variance"),
+                _ => ("one packet of paths", "the sum of their squares"),
+            };
+            // A pilot has looked for the best already.
+            let advice = match key.as_str() {
+                "gradient" if self.pilot.is_none() => "take more samples, or --method auto",
+                _ => "take more samples",
+            };
             format!(
-                "few samples carry {key}: {} has {} % of {}, and its standard error may be too small; take more samples",
-                if key == "gradient" { "one pixel in a thousand" } else { "one packet of paths" },
+                "few samples carry {key}: {part} has {} % of {whole}, and its standard error may be too small; {advice}",
                 (100.0 * share).round(),
-                if key == "gradient" { "the variance" } else { "the sum of their squares" },
             )
         }));
         losses

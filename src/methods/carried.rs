@@ -79,7 +79,7 @@ pub fn velocity(
     if followed.iter().all(Vec::is_empty) {
         return Ok(None);
     }
-    let motion = Motion::new(scene, &stage.parts.geometry, &tangent);
+    let motion = Motion::without_normals(&stage.parts.geometry, &tangent);
     let sweep = ForwardSweep::new(&view, &motion, None);
     let drift = Drift { grid, followed };
     Ok(Some(drift.velocity(|f| sweep.film_velocity(f))))

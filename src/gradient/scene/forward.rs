@@ -31,38 +31,39 @@ pub struct Motion {
     pub environment: EnvironmentDifferential,
 }
 
+/// What moves of each mesh, over all vertices.
+fn spread(geometry: &Geometry, of: &[Option<Vec<Vec3>>]) -> Vec<Vec3> {
+    let mut all = vec![Vec3::ZERO; geometry.positions.len()];
+    for (mesh, values) in of.iter().enumerate() {
+        if let Some(values) = values {
+            let first = geometry.first_vertex[mesh] as usize;
+            all[first..first + values.len()].copy_from_slice(values);
+        }
+    }
+    all
+}
+
 impl Motion {
     pub fn new(scene: &Scene, geometry: &Geometry, tangent: &SceneDifferential) -> Self {
-        let moving_mesh: Vec<bool> = tangent.positions.iter().map(Option::is_some).collect();
-        let spread = |of: &[Option<Vec<Vec3>>]| {
-            let mut all = vec![Vec3::ZERO; geometry.positions.len()];
-            for (mesh, values) in of.iter().enumerate() {
-                if let Some(values) = values {
-                    let first = geometry.first_vertex[mesh] as usize;
-                    all[first..first + values.len()].copy_from_slice(values);
-                }
-            }
-            all
-        };
-        let any_mesh = moving_mesh.contains(&true);
-        let positions = if any_mesh {
-            spread(&tangent.positions)
-        } else {
-            Vec::new()
-        };
-        let smooth = moving_mesh
-            .iter()
-            .zip(&geometry.smooth)
-            .any(|(m, s)| *m && *s);
-        let normals = if smooth {
+        let mut motion = Self::without_normals(geometry, tangent);
+        let mut smooth = motion.moving_mesh.iter().zip(&geometry.smooth);
+        if smooth.any(|(m, s)| *m && *s) {
             let turned = crate::gradient::scene::normals::tangent(scene, tangent);
-            spread(&turned)
-        } else {
-            Vec::new()
+            motion.normals = spread(geometry, &turned);
+        }
+        motion
+    }
+
+    /// The same for those who look at no shading normal, which take long to differentiate.
+    pub fn without_normals(geometry: &Geometry, tangent: &SceneDifferential) -> Self {
+        let moving_mesh: Vec<bool> = tangent.positions.iter().map(Option::is_some).collect();
+        let positions = match moving_mesh.contains(&true) {
+            true => spread(geometry, &tangent.positions),
+            false => Vec::new(),
         };
         Self {
             positions,
-            normals,
+            normals: Vec::new(),
             moving_mesh,
             camera: tangent.camera,
             texels: tangent.texels.clone(),

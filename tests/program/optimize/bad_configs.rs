@@ -154,7 +154,7 @@ const BAD: [(&str, &str, &str); 73] = [
     (
         "spp = 8\n",
         "method = \"reparm\"\n",
-        "there is no \"reparm\"; write one of reparam, edges, loubet, warped-area, interior, fd, auto; the nearest known name is \"reparam\"",
+        "there is no \"reparm\"; write one of reparam, edges, loubet, warped-area, interior, fd, carried-fd, auto; the nearest known name is \"reparam\"",
     ),
     (
         "spp = 8\n",
