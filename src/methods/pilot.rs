@@ -111,9 +111,8 @@ impl Prepared<'_> {
             }
             tried => tried?,
         }
-        let possible = possible(self, &settings, direction)?;
         if !has_differences {
-            trials.run_mixtures(&possible)?;
+            trials.run_mixtures()?;
             return Ok((trials.best(), trials.into_pilot()));
         }
         if carries(self, &settings, direction)? {
@@ -125,7 +124,7 @@ impl Prepared<'_> {
             _ => 1.0,
         };
         if lead < CLEARLY {
-            trials.run_mixtures(&possible)?;
+            trials.run_mixtures()?;
         }
         if lead * CLEARLY > 1.0 {
             trials.run(Contender::Differences)?;
@@ -285,12 +284,12 @@ impl Trials<'_> {
     }
 
     /// Tries other mixtures than the usual.
-    fn run_mixtures(&mut self, possible: &Possible) -> Result<(), EngineError> {
+    fn run_mixtures(&mut self) -> Result<(), EngineError> {
         let Possible {
             drifts,
             edges,
             edges_from_rest,
-        } = *possible;
+        } = possible(self.prepared, self.settings, self.direction)?;
         let usual = Mixture::default();
         let looks_over_lobes = self.done[0].rays.contains_key("bounce_cell");
         let on_film = [

@@ -4,9 +4,9 @@
 use common::comparison::{RESOLUTION, SIGMAS, SKY, foliage, small_floor};
 use common::materials::Paint;
 use common::scenes::*;
-use common::{direction, gradient, settings, variance};
+use common::{Quiet, direction, gradient, settings, variance};
 use glam::{Vec2, vec3};
-use warpath::methods::{Method, Settings};
+use warpath::methods::{Method, Question, Settings, decide};
 use warpath::scene::{Lens, Scene};
 use warpath::statistics::agreement::Agreement;
 
@@ -23,6 +23,13 @@ fn metal() -> Scene {
         .depth(6)
         .smooth("thing", ball, [0.8; 3])
         .mirror("thing")
+}
+
+/// The same, seen from near.
+fn near_metal() -> Scene {
+    let mut near = metal();
+    near.sensors[0].x_fov_rad *= 0.4;
+    near
 }
 
 /// The same number as with samples at rest.
@@ -56,8 +63,7 @@ fn they_agree_with_differences() {
 
 #[test]
 fn they_are_less_noisy() {
-    let mut near = metal();
-    near.sensors[0].x_fov_rad *= 0.4;
+    let near = near_metal();
     for (scene, parts, by) in [
         (&foliage(), &CAMERA[..], 5.0),
         (&near, &[("thing.translation", &[1.0, 0.3, 0.2])], 2.0),
@@ -102,4 +108,15 @@ fn threads_change_nothing() {
         gradient(&scene, &settings, &along)
     });
     assert_eq!(one, three);
+}
+
+/// Before the metal they are better than what is usual.
+#[test]
+fn auto_takes_them() {
+    let scene = near_metal();
+    let along = direction(&scene, &CAMERA);
+    let own = settings(&scene, Method::Auto, 64, 3);
+    let (settled, pilot) =
+        decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
+    assert_eq!(settled.method, Method::CarriedFd, "{pilot:?}");
 }
