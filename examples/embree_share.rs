@@ -62,7 +62,7 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
         .collect::<std::result::Result<_, _>>()?;
     let settings = Settings {
         constants: Default::default(),
-        tiles: None,
+        part_of_film: None,
         spp,
         seed: 1,
         threads: 1,

@@ -17,7 +17,7 @@ use crate::jobs::read;
 use crate::jobs::request::Request;
 use crate::jobs::results::Done;
 use crate::jobs::settings::RequestedSettings;
-use crate::methods::{EditedScene, EngineError, Prepared, Progress, Settings, Workers};
+use crate::methods::{EditedScene, EngineError, Pilot, Prepared, Progress, Settings, Workers};
 use crate::output::results::{self, ResultFile};
 use crate::scene::parameters;
 use std::time::Instant;
@@ -56,7 +56,8 @@ impl Shared<'_> {
         result.spend("prepare", admitted.elapsed().as_secs_f64());
         result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
         result.rebuilt = scene.is_rebuilt();
-        let computed = self.compute(&job, &request, &prepared, &settings, progress)?;
+        let scenes = (loaded, &prepared);
+        let computed = self.compute(&job, &request, scenes, &settings, progress)?;
         drop(prepared);
         if let Some(lease) = scene.finish() {
             loaded.give_back(lease);
@@ -104,16 +105,36 @@ impl Shared<'_> {
         &self,
         job: &Job,
         request: &Request,
-        prepared: &Prepared,
+        (loaded, prepared): (&Loaded, &Prepared),
         settings: &Settings,
         progress: &dyn Progress,
     ) -> Result<Computed, Failure> {
         let Some(shard) = self.options.shard_of_samples() else {
-            let done = request.answer(prepared, settings, progress)?;
+            let pilot = self.ask_pilot(request, loaded, settings, progress);
+            let settled = pilot.as_ref().map_or(settings, |(settled, _)| settled);
+            let mut done = request.answer(prepared, settled, progress)?;
+            if let Some((_, pilot)) = pilot {
+                done.statistics.add_pilot(pilot);
+            }
             return Ok(Computed::Whole(done));
         };
         let part = partial::answer(job, request, shard, prepared, settings, progress)?;
         Ok(Computed::Part(part))
+    }
+
+    /// What a pilot comes to, if one is to be asked: of the scene without the job's values, so that
+    /// all jobs with the same question share the answer. A scene that refuses it leaves it to the job's.
+    fn ask_pilot(
+        &self,
+        request: &Request,
+        loaded: &Loaded,
+        settings: &Settings,
+        progress: &dyn Progress,
+    ) -> Option<(Settings, Pilot)> {
+        let question = request.question().filter(|_| settings.needs_pilot())?;
+        let scene = EditedScene::new(loaded.base());
+        let prepared = scene.prepare(&self.workers, &|| progress.cancelled());
+        prepared.ok()?.decide(settings, &question, progress).ok()
     }
 
     /// Writes the files, and what there is to say of them.

@@ -227,7 +227,7 @@ impl Bench<'_> {
         let scene = &self.case.scene;
         let settings = Settings {
             constants: Constants::default(),
-            tiles: None,
+            part_of_film: None,
             spp: GRADIENT_SPP,
             seed: 1,
             threads,
@@ -236,7 +236,7 @@ impl Bench<'_> {
             hide_emitters: scene.integrator.hide_emitters,
             sensor: 0,
             resolution: Some(GRADIENT_SIZE),
-            method: Method::default(),
+            method: Method::Reparam,
             backend,
             standard_error: true,
             groups: None,

@@ -45,7 +45,6 @@ pub enum OverLobes {
     Cells,
     /// Edges from points that rest, and cells from those that move.
     EdgesFromRest,
-    Edges,
 }
 
 /// The estimator of a mixture.
@@ -59,7 +58,7 @@ impl<'a> Mixed<'a> {
     pub fn new(mixture: Mixture, adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
         let cells = match mixture.lobes {
             OverLobes::EdgesFromRest => Cells::from_moving_points(adjacency, moving),
-            OverLobes::Cells | OverLobes::Edges => Cells::new(adjacency, moving),
+            OverLobes::Cells => Cells::new(adjacency, moving),
         };
         Self {
             mixture,
@@ -93,10 +92,7 @@ impl BoundaryEstimator for Mixed<'_> {
     }
 
     fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {
-        match self.mixture.lobes {
-            OverLobes::Cells | OverLobes::EdgesFromRest => self.cells.lobe_drift(view),
-            OverLobes::Edges => None,
-        }
+        self.cells.lobe_drift(view)
     }
 
     fn film(&self, film: &FilmTile, out: &mut Found) {
@@ -114,7 +110,6 @@ impl BoundaryEstimator for Mixed<'_> {
     fn lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
         match self.mixture.lobes {
             OverLobes::Cells => self.cells.lobe(at, bounce, out),
-            OverLobes::Edges => self.edges.lobe(at, bounce, out),
             OverLobes::EdgesFromRest => {
                 let moves = at.vertices.moves;
                 self.cells.lobes_of(moves, at, bounce, out);

@@ -157,7 +157,7 @@ impl Session {
             }
             None => self
                 .log
-                .note("there is nothing to explain: --method auto asks a pilot"),
+                .note("there is nothing to explain: only --method auto, the default, asks a pilot"),
         }
     }
 

@@ -8,7 +8,7 @@ use super::pairs::Keys;
 use super::pictures;
 use super::results::{Done, Results};
 use super::settings;
-use crate::methods::{Objective, Prepared, Progress, Settings};
+use crate::methods::{Objective, Prepared, Progress, Question, Settings};
 use crate::output::gradients;
 use crate::picture::Image;
 use crate::scene::Scene;
@@ -49,6 +49,15 @@ impl Request {
                 })
             }
             _ => Ok(Request::Render),
+        }
+    }
+
+    /// What a pilot would be asked.
+    pub fn question(&self) -> Option<Question<'_>> {
+        match self {
+            Request::Render => None,
+            Request::Forward(direction) => Some(Question::Forward(direction)),
+            Request::Backward { parameters, .. } => Some(Question::Backward(parameters)),
         }
     }
 

@@ -36,7 +36,7 @@ impl RequestedSettings {
         let sensor = &scene.sensors[self.sensor];
         let settings = Settings {
             constants: Constants::default(),
-            tiles: None,
+            part_of_film: None,
             spp: self.spp.unwrap_or(sensor.sample_count).max(1),
             seed: self.seed.unwrap_or(sensor.seed.into()),
             threads: self.threads,

@@ -41,7 +41,6 @@ impl Contender {
                 let lobes = match lobes {
                     OverLobes::Cells => "cells over lobes",
                     OverLobes::EdgesFromRest => "edges over lobes of points at rest",
-                    OverLobes::Edges => "edges over lobes",
                 };
                 format!("{film}, {lobes}")
             }

@@ -3,7 +3,7 @@
 use super::contender::Contender;
 use super::settings::{Groups, Settings};
 use super::statistics::Pilot;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Answers that are kept; the oldest goes first.
 const MOST: usize = 8;
@@ -18,10 +18,13 @@ pub struct Asked {
 
 /// The answers for one scene.
 #[derive(Default)]
-pub struct Decisions(Mutex<Vec<(Asked, Answer)>>);
+pub struct Decisions(Mutex<Vec<(Asked, Slot)>>);
 
 /// What is best, and how a pilot has found that.
 type Answer = (Contender, Pilot);
+
+/// An answer, as soon as it is there.
+type Slot = Arc<Mutex<Option<Answer>>>;
 
 impl Asked {
     /// Leaves out what a pilot does not depend on.
@@ -45,17 +48,33 @@ impl Asked {
 }
 
 impl Decisions {
-    pub fn find(&self, asked: &Asked) -> Option<Answer> {
-        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known.iter().find(|(other, _)| other == asked);
-        found.map(|(_, answer)| answer.clone())
+    /// The answer: that of before, or else what `ask` comes to. Who asks the same meanwhile waits for
+    /// it; if it fails, they ask themselves.
+    pub fn once<E>(
+        &self,
+        asked: Asked,
+        ask: impl FnOnce() -> Result<Answer, E>,
+    ) -> Result<Answer, E> {
+        let slot = self.slot(asked);
+        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(answer) = &*slot {
+            return Ok(answer.clone());
+        }
+        let answer = ask()?;
+        *slot = Some(answer.clone());
+        Ok(answer)
     }
 
-    pub fn keep(&self, asked: Asked, answer: Answer) {
+    fn slot(&self, asked: Asked) -> Slot {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, slot)) = known.iter().find(|(other, _)| *other == asked) {
+            return slot.clone();
+        }
         if known.len() == MOST {
             known.remove(0);
         }
-        known.push((asked, answer));
+        let slot = Slot::default();
+        known.push((asked, slot.clone()));
+        slot
     }
 }

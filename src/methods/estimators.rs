@@ -24,7 +24,6 @@ use serde::Deserialize;
 #[serde(rename_all = "kebab-case")]
 #[schemars(rename = "MethodName")]
 pub enum Method {
-    #[default]
     Reparam,
     Edges,
     Loubet,
@@ -32,6 +31,7 @@ pub enum Method {
     Interior,
     Fd,
     CarriedFd,
+    #[default]
     Auto,
 }
 

@@ -32,6 +32,7 @@ mod spare;
 mod stage;
 mod statistics;
 mod tails;
+mod trials;
 mod workers;
 
 pub use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};

@@ -30,8 +30,8 @@ pub struct Settings {
     pub resolution: Option<[u32; 2]>,
     pub method: Method,
     pub constants: Constants,
-    /// Of the film's tiles so many, at equal distances, in place of all: for pilots.
-    pub tiles: Option<usize>,
+    /// Only this part of the film, in many small tiles, in place of all: for pilots.
+    pub part_of_film: Option<f64>,
     /// What traces the rays.
     pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.

@@ -55,7 +55,7 @@ pub struct Stage<'a> {
     pub groups: u32,
     pub seed: u64,
     only: Option<u32>,
-    tiles: Option<usize>,
+    part_of_film: Option<f64>,
     workers: Workers,
 }
 
@@ -96,7 +96,10 @@ impl<'a> Stage<'a> {
         } else {
             0
         };
-        let lattice = Lattice::new(settings.spp / groups, film.crop_size, border);
+        let lattice = match settings.part_of_film {
+            None => Lattice::new(settings.spp / groups, film.crop_size, border),
+            Some(_) => Lattice::in_small_tiles(settings.spp / groups, film.crop_size, border),
+        };
         let filter = FilmFilter::new(film.filter, film.crop_size, &lattice);
         statistics.add_seconds("build", start);
         Ok(Self {
@@ -120,7 +123,7 @@ impl<'a> Stage<'a> {
             groups,
             seed: settings.seed,
             only,
-            tiles: settings.tiles,
+            part_of_film: settings.part_of_film,
             workers: prepared.workers.clone(),
         })
     }
@@ -254,11 +257,10 @@ impl<'a> Stage<'a> {
 
     /// The tiles that are done here.
     fn own_tiles(&self) -> Vec<usize> {
-        let all = self.lattice.tile_count();
-        let count = self.tiles.map_or(all, |tiles| tiles.min(all));
-        (0..count)
-            .map(|i| (2 * i + 1) * all / (2 * count))
-            .collect()
+        match self.part_of_film {
+            None => (0..self.lattice.tile_count()).collect(),
+            Some(part) => self.lattice.some_tiles(part),
+        }
     }
 
     /// The groups that are done here.

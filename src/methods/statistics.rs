@@ -1,5 +1,7 @@
 //! What a run did and where its time went.
 
+use super::contender::Contender;
+use crate::boundary::mixture::Mixture;
 use crate::paths::counts::Counts;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -85,7 +87,7 @@ impl Pilot {
         }
     }
 
-    /// All that was tried, a line each.
+    /// All that was tried, a line each, and what came of it.
     pub fn explanation(&self) -> Vec<String> {
         let line = |trial: &Trial| {
             let efficiency = trial.efficiency.map(|by| format!(", efficiency {by:.3}"));
@@ -97,7 +99,8 @@ impl Pilot {
                 efficiency.unwrap_or_default()
             )
         };
-        self.trials.iter().map(line).collect()
+        let lines = self.trials.iter().map(line);
+        lines.chain([self.summary()]).collect()
     }
 }
 
@@ -107,10 +110,12 @@ impl Statistics {
         *self.seconds.entry(stage).or_default() += seconds;
     }
 
-    /// Keeps what a pilot has come to.
+    /// Keeps what a pilot has come to, and says so if it is not the usual.
     pub fn add_pilot(&mut self, pilot: Pilot) {
         self.spend("pilot", pilot.seconds);
-        self.notes.push(pilot.summary());
+        if pilot.chosen != Contender::Mixture(Mixture::default()).name() {
+            self.notes.push(pilot.summary());
+        }
         self.pilot = Some(pilot);
     }
 

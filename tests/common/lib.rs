@@ -43,7 +43,7 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         standard_error: false,
         groups: None,
         constants: Default::default(),
-        tiles: None,
+        part_of_film: None,
     }
 }
 

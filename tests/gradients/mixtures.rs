@@ -24,7 +24,8 @@ const MOVED: [f32; 3] = [1.0, 0.2, 0.4];
 
 fn mixtures() -> impl Iterator<Item = Mixture> {
     let films = [OnFilm::Drifting, OnFilm::Resting, OnFilm::Edges];
-    let of_film = |film| [OverLobes::Cells, OverLobes::Edges].map(|lobes| Mixture { film, lobes });
+    let lobes = [OverLobes::Cells, OverLobes::EdgesFromRest];
+    let of_film = move |film| lobes.map(|lobes| Mixture { film, lobes });
     films.into_iter().flat_map(of_film).skip(1)
 }
 
@@ -138,7 +139,6 @@ fn edges_from_rest_are_right_among_things_that_intersect() {
     let ways: Vec<&str> = pilot.trials.iter().map(|t| t.way.as_str()).collect();
     let tried = |what: &str| ways.iter().any(|way| way.ends_with(what));
     assert!(tried("edges over lobes of points at rest"), "{ways:?}");
-    assert!(!tried("edges over lobes"), "{ways:?}");
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn it_comes_to_the_same_every_time() {
             ..settings(&scene, Method::Auto, 16, seed)
         };
         let (one, pilot) = decide(&scene, &with(1, 1), &question, &Quiet).expect("a decision");
-        assert!(pilot.trials.len() > 2, "{pilot:?}");
+        assert!(pilot.trials.len() > 1, "{pilot:?}");
         assert!(!one.needs_pilot());
         let prepared = prepared(&scene);
         for (seed, threads) in [(7, 2), (9, 1)] {
@@ -208,9 +208,9 @@ fn it_comes_to_the_same_every_time() {
 /// What is done is what would have been done had it been asked for.
 #[test]
 fn it_does_what_it_says() {
-    // Edges that lie upon each other, which cells cannot tell apart for long.
-    let scene = load("scenes/failures/adjoining_cards.xml", &[]).expect("a scene");
-    let along = direction(&scene, &[("obj.translation", &[1.0, 0.0, 0.0])]);
+    // A card that covers most of the film: few edges, and long ones.
+    let scene = load("scenes/failures/film_border.xml", &[]).expect("a scene");
+    let along = direction(&scene, &[("obj.translation", &[1.0, 0.0, 0.3])]);
     let own = settings(&scene, Method::Auto, 64, 3);
     let done = forward(&scene, &own, &along, &Quiet).expect("a gradient");
     let pilot = done.statistics.pilot.as_ref().expect("a pilot");

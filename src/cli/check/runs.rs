@@ -71,7 +71,7 @@ impl Check {
         }
         let keys: Vec<Parameter> = self.direction.iter().map(|(p, _)| p.clone()).collect();
         let settings = self.settings.clone();
-        let (settled, statistics) = self.session.trace(
+        let (settled, _) = self.session.trace(
             "pilot",
             &settings,
             |scene, settings, progress| {
@@ -83,7 +83,6 @@ impl Check {
             },
             |(_, statistics)| statistics,
         )?;
-        self.session.log.note(&statistics.notes.concat());
         self.settings = settled;
         Ok(())
     }

@@ -16,7 +16,7 @@ use crate::optimize::cameras;
 use crate::optimize::config::{Config, Truth};
 use crate::optimize::loss::Comparison;
 use crate::picture::Image;
-use crate::scene::parameters::{self, Target};
+use crate::scene::parameters::{self, Parameter, Target};
 use crate::scene::{self, Normals, Scene, vertex_normals};
 use crate::trace::Backend;
 use base::SceneBase;
@@ -217,8 +217,8 @@ impl Problem {
         Ok(())
     }
 
-    /// Settles what `auto` does in all steps: what is best for the first view of the scene as it
-    /// starts, which is the same however often a run is taken up again.
+    /// Settles what `auto` does in all steps: what is best for the first view that depends on what is
+    /// sought, of the scene as it starts, which is the same however often a run is taken up again.
     fn ask_pilot(&mut self, progress: &dyn Progress) -> Result<(), Failure> {
         if !self.settings.needs_pilot() {
             return Ok(());
@@ -228,11 +228,18 @@ impl Problem {
         } = &self.machine;
         let cancelled = || progress.cancelled();
         let prepared = Prepared::with_workers(&self.start, workers, *backend, &cancelled);
-        let parameters = self.variables.iter().map(|v| v.parameter.clone());
-        let parameters: Vec<_> = parameters.collect();
+        let of_view = |view: &View| -> Vec<Parameter> {
+            let all = self.variables.iter().map(|v| v.parameter.clone());
+            all.filter(|p| p.check_sensor(&self.start, view.sensor).is_ok())
+                .collect()
+        };
+        let mut views = self.views.iter().map(|view| (view, of_view(view)));
+        let Some((view, parameters)) = views.find(|(_, of_view)| !of_view.is_empty()) else {
+            return Ok(());
+        };
         let settings = Settings {
             spp: self.even(self.config.render.spp.at(0, self.config.steps) as u32),
-            ..self.settings_of(&self.views[0], 0)
+            ..self.settings_of(view, 0)
         };
         let decided = prepared
             .and_then(|p| p.decide(&settings, &Question::Backward(&parameters), progress))

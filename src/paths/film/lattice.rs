@@ -48,10 +48,24 @@ pub struct LatticeImage {
 /// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep
 /// its store in the second-level cache whatever the number of samples a pixel.
 const POINTS_PER_SIDE: usize = 64;
+/// And of a tile of a pilot, which is to see all quarters of the film: a third more points than with
+/// large tiles, for those on the rims.
+const POINTS_PER_SIDE_OF_SMALL: usize = 16;
+/// The plastic number's first two powers inverted: their multiples fill a square most evenly.
+const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 impl Lattice {
     /// `samples` points a pixel over the film of `size` pixels and `border` pixels around it.
     pub fn new(samples: u32, size: [u32; 2], border: u32) -> Self {
+        Self::in_tiles_of(POINTS_PER_SIDE, samples, size, border)
+    }
+
+    /// The same in many small tiles.
+    pub fn in_small_tiles(samples: u32, size: [u32; 2], border: u32) -> Self {
+        Self::in_tiles_of(POINTS_PER_SIDE_OF_SMALL, samples, size, border)
+    }
+
+    fn in_tiles_of(points: usize, samples: u32, size: [u32; 2], border: u32) -> Self {
         let samples = samples.max(1) as usize;
         // The divisor nearest the square root: as square as the number allows.
         let rows = (1..=samples.isqrt())
@@ -63,7 +77,7 @@ impl Lattice {
         let end = size.map(|s| (s + border) as i32);
         let tiles = std::array::from_fn(|i| {
             let pixels = (end[i] - start[i]) as usize;
-            pixels.div_ceil(((POINTS_PER_SIDE - 2) / per_pixel[i]).max(1))
+            pixels.div_ceil(((points - 2) / per_pixel[i]).max(1))
         });
         Self {
             per_pixel,
@@ -75,6 +89,21 @@ impl Lattice {
 
     pub fn tile_count(&self) -> usize {
         self.tiles[0] * self.tiles[1]
+    }
+
+    /// About this part of the tiles, spread evenly in both directions; one at least.
+    pub fn some_tiles(&self, part: f64) -> Vec<usize> {
+        let all = 0..self.tile_count();
+        let is_taken = |index: &usize| {
+            let at = [index % self.tiles[0], index / self.tiles[0]];
+            let turns = PLASTIC[0] * at[0] as f64 + PLASTIC[1] * at[1] as f64;
+            (turns + 0.5).fract() < part
+        };
+        let some: Vec<usize> = all.clone().filter(is_taken).collect();
+        match some.is_empty() {
+            true => vec![all.end / 2],
+            false => some,
+        }
     }
 
     /// Tile `index` of group `group`.
@@ -120,5 +149,40 @@ impl Tile {
             && u < self.end[0] as f64
             && v >= self.start[1] as f64
             && v < self.end[1] as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A part of the film is that part, in all directions, and never nothing.
+    #[test]
+    fn a_part_of_the_film_lies_all_over_it() {
+        let lattice = Lattice::in_small_tiles(4, [128, 96], 2);
+        let [columns, rows] = lattice.tiles;
+        for part in [0.5, 0.25, 0.125] {
+            let taken = lattice.some_tiles(part);
+            let share = |is_there: &dyn Fn([usize; 2]) -> bool| {
+                let all =
+                    (0..lattice.tile_count()).filter(|i| is_there([i % columns, i / columns]));
+                let some = taken
+                    .iter()
+                    .filter(|&&i| is_there([i % columns, i / columns]));
+                some.count() as f64 / all.count() as f64
+            };
+            let whole = share(&|_| true);
+            assert!((whole / part - 1.0).abs() < 0.1, "{part}: {whole}");
+            for right in [false, true] {
+                for lower in [false, true] {
+                    let quarter = |[x, y]: [usize; 2]| {
+                        (2 * x >= columns) == right && (2 * y >= rows) == lower
+                    };
+                    let share = share(&quarter);
+                    assert!((share / part - 1.0).abs() < 0.3, "{part}: {share}");
+                }
+            }
+        }
+        assert_eq!(lattice.some_tiles(1e-9).len(), 1);
     }
 }

@@ -37,7 +37,7 @@ fn largest_difference([a, b]: &[Vec<f32>; 2]) -> f32 {
 fn turning() -> Value {
     json!({
         "mode": "forward", "params": {"card.translation": [1, 0.5, 0], "cam.rotation": [0, 0.1, 0]}, "spp": 16,
-        "resolution": [24, 20]
+        "resolution": [24, 20], "method": "reparam"
     })
 }
 
@@ -213,4 +213,25 @@ fn moved_vertices_give_the_same_bytes_in_any_order() {
         .map(|r| r["rebuilt"].as_bool().unwrap())
         .collect();
     assert!(ways.contains(&true) && ways.contains(&false), "{ways:?}");
+}
+
+/// Jobs that ask the same with values of their own share one pilot, that of the scene without them.
+#[test]
+fn values_of_ones_own_need_no_pilot_of_ones_own() {
+    let directory = workplace();
+    let at = directory.path();
+    let job = |id: &str, x: f64| {
+        json!({
+            "id": id, "mode": "forward", "scene": "s.xml", "params": {"card.translation": [1, 0, 0]},
+            "set": {"card.translation": [x, 0, 0]}, "spp": 8, "resolution": [16, 12]
+        })
+    };
+    write(at, "jobs.jsonl", &[job("one", 0.1), job("other", 0.2)]);
+    run(at, "batch jobs.jsonl -o out -q -t 1", 0);
+    let seconds: Vec<f64> = results(&at.join("out"))
+        .iter()
+        .map(|result| result["seconds"]["pilot"].as_f64().expect("a pilot's time"))
+        .collect();
+    let asked = seconds.iter().filter(|&&seconds| seconds > 0.0);
+    assert_eq!(asked.count(), 1, "{seconds:?}");
 }

@@ -45,7 +45,7 @@ fn what_is_right_passes() {
         assert_eq!(code, Some(0), "{parameter}: {said}");
         assert_eq!(found["verdict"]["agrees"], true);
         assert!(
-            said.contains("reparam agrees with finite differences"),
+            said.contains("auto agrees with finite differences"),
             "{said}"
         );
         assert_eq!(found["forward_against_backward"]["agrees"], true, "{said}");
