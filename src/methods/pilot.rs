@@ -26,11 +26,11 @@ type Direction = Vec<(Parameter, Vec<f32>)>;
 
 /// The pilot's own random numbers.
 const SEED: u64 = 0x7069_6c6f_7400_0001;
-const GROUPS: u32 = 2;
+const GROUPS: u32 = 4;
 /// Samples a pixel of a group, as far as the job's groups have as many.
 const SAMPLES: [u32; 2] = [2, 16];
 /// Paths of one trial, at least, and the share that they have in the whole job's at least.
-const LEAST_PATHS: f64 = 8192.0;
+const LEAST_PATHS: f64 = 16384.0;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 /// What one may ask for.
