@@ -22,7 +22,7 @@ const WORTHWHILE_DIFFERENCES: f64 = 1.4;
 /// worse kind are not tried.
 const CLEARLY: f64 = 4.0;
 /// To make the displaced scenes of one difference, in microseconds for each vertex that moves:
-/// 0.6 to 2.3 in meshes of 16,000 to 360,000 vertices.
+/// 0.6 and 2.3 in meshes of 150,000 and 360,000 vertices.
 const DISPLACED_VERTEX_US: f64 = 1.5;
 
 /// Edges over lobes are tried if no greater part of the vertices moves, as a lamp over a forest. On

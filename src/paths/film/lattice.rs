@@ -48,8 +48,8 @@ pub struct LatticeImage {
 /// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep
 /// its store in the second-level cache whatever the number of samples a pixel.
 const POINTS_PER_SIDE: usize = 64;
-/// And of a tile of a pilot, which is to see all quarters of the film: a third more points than with
-/// large tiles, for those on the rims.
+/// And of a tile of a pilot, which is to see all quarters of the film: 1.2 times the points of large
+/// tiles, for those on the rims.
 const POINTS_PER_SIDE_OF_SMALL: usize = 16;
 /// The plastic number's first two powers inverted: their multiples fill a square most evenly.
 const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
