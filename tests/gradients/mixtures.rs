@@ -190,6 +190,12 @@ fn it_comes_to_the_same_every_time() {
         };
         let (one, pilot) = decide(&scene, &with(1, 1), &question, &Quiet).expect("a decision");
         assert!(pilot.trials.len() > 1, "{pilot:?}");
+        // All vertices move.
+        let mut trials = pilot.trials.iter();
+        assert!(
+            !trials.any(|t| t.way.contains("edges over lobes")),
+            "{pilot:?}"
+        );
         assert!(!one.needs_pilot());
         let prepared = prepared(&scene);
         for (seed, threads) in [(7, 2), (9, 1)] {
@@ -226,6 +232,32 @@ fn it_does_what_it_says() {
         decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
     let again = forward(&scene, &settled, &along, &Quiet).expect("a gradient");
     assert_eq!(flat(&done.gradient), flat(&again.gradient));
+}
+
+/// A ball over a floor under a lamp.
+fn ball_before_the_lamp(subdivisions: u32) -> Scene {
+    lit(floor_seen(16, GAUSSIAN)).solid(
+        "ball",
+        ball(subdivisions, vec3(0.0, 0.0, 0.5), 0.3),
+        [0.3, 0.7, 0.2],
+    )
+}
+
+/// What differences have to do for each vertex that moves counts, whatever is traced.
+#[test]
+fn displaced_scenes_are_work() {
+    let work = |subdivisions: u32| {
+        let scene = ball_before_the_lamp(subdivisions);
+        let along = direction(&scene, &[("ball.translation", &MOVED)]);
+        let own = settings(&scene, Method::Auto, 64, 3);
+        let (_, pilot) =
+            decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
+        let carried = Method::CarriedFd.title();
+        let mut trials = pilot.trials.iter();
+        trials.find(|t| t.way == carried).expect("a trial").work
+    };
+    let [coarse, fine] = [2, 5].map(work);
+    assert!(fine > 1.5 * coarse, "{coarse} {fine}");
 }
 
 /// A lamp that is seen in one place has nearly all of the noise.
