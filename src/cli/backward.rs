@@ -13,12 +13,6 @@ use std::ffi::OsString;
 /// Writes one tensor a key with its standard error, and the image.
 pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Failure> {
     let method = session::method(&arguments.method)?;
-    if !method.has_reverse_mode() {
-        return Err(Failure::Usage(format!(
-            "--method {} does not run backward; use it with forward, or use check",
-            method.name()
-        )));
-    }
     let mut session = Session::open(
         "backward",
         &arguments.trace,

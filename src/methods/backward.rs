@@ -29,6 +29,7 @@ use crate::paths::store::TileStore;
 use crate::paths::warp::seam::Warp;
 use crate::picture::Image;
 use crate::room;
+use crate::scene::parameters::Gradient;
 use crate::scene::{Rgb, SceneDifferential};
 use glam::Vec3;
 use std::time::Instant;
@@ -81,8 +82,8 @@ pub fn backward(
     };
     Ok(BackwardGradient {
         image,
-        gradient,
-        groups,
+        gradient: gradient.into(),
+        groups: groups.into_iter().map(Gradient::from).collect(),
         loss,
         terms: swept.terms,
         statistics,

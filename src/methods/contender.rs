@@ -16,11 +16,13 @@ impl Contender {
     /// The settings with which it is gone.
     pub fn settle(self, settings: &Settings) -> Settings {
         let mut settled = settings.clone();
-        match self {
-            Contender::Mixture(mixture) => settled.constants.mixture = Some(mixture),
-            Contender::Differences => settled.method = Method::REFERENCE,
-            Contender::CarriedDifferences => settled.method = Method::CarriedFd,
-        }
+        let (method, mixture) = match self {
+            Contender::Mixture(mixture) => (settings.method, mixture),
+            Contender::Differences => (Method::REFERENCE, Mixture::default()),
+            Contender::CarriedDifferences => (Method::CarriedFd, Mixture::default()),
+        };
+        settled.method = method;
+        settled.constants.mixture = Some(mixture);
         settled
     }
 

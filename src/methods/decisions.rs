@@ -8,11 +8,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Answers that are kept; the oldest goes first.
 const MOST: usize = 8;
 
-/// What was asked: the settings, whether for a gradient image, and the direction.
+/// What was asked: the settings, how many differences would answer, if they can, and the direction.
 #[derive(Clone, PartialEq)]
 pub struct Asked {
     settings: Settings,
-    forward: bool,
+    differences: Option<usize>,
     direction: Vec<(String, Vec<f32>)>,
 }
 
@@ -28,7 +28,11 @@ type Slot = Arc<Mutex<Option<Answer>>>;
 
 impl Asked {
     /// Leaves out what a pilot does not depend on.
-    pub fn new(settings: &Settings, forward: bool, direction: Vec<(String, Vec<f32>)>) -> Self {
+    pub fn new(
+        settings: &Settings,
+        differences: Option<usize>,
+        direction: Vec<(String, Vec<f32>)>,
+    ) -> Self {
         let groups = settings.groups();
         let settings = Settings {
             seed: 0,
@@ -41,7 +45,7 @@ impl Asked {
         };
         Self {
             settings,
-            forward,
+            differences,
             direction,
         }
     }

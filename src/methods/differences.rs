@@ -39,14 +39,8 @@ pub fn forward(
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    let step = step(prepared.scene, settings, direction)?;
-    let velocity = match settings.method.carries_samples() {
-        true => carried::velocity(prepared, settings, direction)?,
-        false => None,
-    };
-    let velocity = velocity.map(|v| v.no_faster_than(carried::MOST_PIXELS / (LONGEST * step)));
-    let steps = (step, velocity.as_ref());
-    by_step(prepared, settings, direction, steps, progress)
+    let steps = Steps::usual(prepared, settings, direction)?;
+    by_steps(prepared, settings, direction, &steps, progress)
 }
 
 /// The same by a step of one's own, with samples at rest.
@@ -57,57 +51,129 @@ pub fn forward_by_step(
     step: f64,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
-    by_step(prepared, settings, direction, (step, None), progress)
+    let steps = Steps { step, carried: None };
+    by_steps(prepared, settings, direction, &steps, progress)
 }
 
-fn by_step(
+fn by_steps(
     prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
-    (step, velocity): (f64, Option<&DriftVelocity>),
+    steps: &Steps,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     statistics.notes.push(format!(
-        "finite differences with steps of {step:.3e} and twice that"
+        "finite differences with steps of {:.3e} and twice that",
+        steps.step
     ));
-    let settings = Settings {
-        rr_depth: u32::MAX,
-        ..settings.clone()
-    };
-    let offsets: [f64; IMAGES] = [-LONGEST, -1.0, 1.0, LONGEST];
-    // D = Σ weight·I(θ + offset·h)/h.
-    let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
     let mut sums = Sums::default();
-    let followers = Followers::new(settings.backend);
-    let base = Base {
-        scene: prepared.scene,
-        parts: &prepared.parts,
-        followers: &followers,
-    };
-    for (part, (offset, weight)) in offsets.into_iter().zip(weights).enumerate() {
-        let start = Instant::now();
-        let mut displaced = EditedScene::new(base);
-        displaced.displace(direction, offset * step)?;
-        displaced.follow(prepared.workers.threads)?;
-        {
-            let there = displaced.prepare(&prepared.workers, &|| progress.cancelled())?;
-            statistics.add_seconds("build", start);
-            let part_progress = Part {
-                whole: progress,
-                part: part as u64,
-                parts: offsets.len() as u64,
-            };
-            let carried = velocity.map(|velocity| (velocity, offset * step));
-            let (images, size) =
-                group_images(&there, &settings, carried, &part_progress, &mut statistics)?;
-            sums.add(&images, size, weight);
-        }
-        if let Some(lease) = displaced.finish() {
-            followers.give_back(lease, || Some(Box::new(())));
+    let displaced = Displaced::new(prepared, settings);
+    displaced.render(direction, steps, progress, &mut statistics, |it| {
+        sums.add(&it.groups, it.size, it.weight);
+    })?;
+    Ok(sums.finish(statistics))
+}
+
+/// How far scenes are displaced, and what carries the samples meanwhile.
+pub struct Steps {
+    step: f64,
+    carried: Option<DriftVelocity>,
+}
+
+impl Steps {
+    /// The usual, by the method of the settings.
+    pub fn usual(
+        prepared: &Prepared,
+        settings: &Settings,
+        direction: &[(Parameter, Vec<f32>)],
+    ) -> Result<Self, EngineError> {
+        let step = step(prepared.scene, settings, direction)?;
+        let velocity = match settings.method.carries_samples() {
+            true => carried::velocity(prepared, settings, direction)?,
+            false => None,
+        };
+        let carried =
+            velocity.map(|v| v.no_faster_than(carried::MOST_PIXELS / (LONGEST * step)));
+        Ok(Self { step, carried })
+    }
+}
+
+/// The images of one displaced scene.
+pub struct DisplacedImages {
+    /// Of each group of samples.
+    pub groups: Vec<Vec<Rgb>>,
+    pub size: [usize; 2],
+    /// The difference is the sum of all images times theirs.
+    pub weight: f64,
+}
+
+/// Renders displaced scenes.
+pub struct Displaced<'a> {
+    prepared: &'a Prepared<'a>,
+    settings: Settings,
+    followers: Followers,
+}
+
+impl<'a> Displaced<'a> {
+    pub fn new(prepared: &'a Prepared<'a>, settings: &Settings) -> Self {
+        Self {
+            prepared,
+            settings: Settings {
+                rr_depth: u32::MAX,
+                ..settings.clone()
+            },
+            followers: Followers::new(settings.backend),
         }
     }
-    Ok(sums.finish(statistics))
+
+    /// The images of one difference, one scene after another.
+    pub fn render(
+        &self,
+        direction: &[(Parameter, Vec<f32>)],
+        steps: &Steps,
+        progress: &dyn Progress,
+        statistics: &mut Statistics,
+        mut each: impl FnMut(DisplacedImages),
+    ) -> Result<(), EngineError> {
+        let prepared = self.prepared;
+        let step = steps.step;
+        let offsets: [f64; IMAGES] = [-LONGEST, -1.0, 1.0, LONGEST];
+        // D = Σ weight·I(θ + offset·h)/h.
+        let weights = [1.0, -8.0, 8.0, -1.0].map(|w| w / (12.0 * step));
+        let base = Base {
+            scene: prepared.scene,
+            parts: &prepared.parts,
+            followers: &self.followers,
+        };
+        for (part, (offset, weight)) in offsets.into_iter().zip(weights).enumerate() {
+            let start = Instant::now();
+            let mut displaced = EditedScene::new(base);
+            displaced.displace(direction, offset * step)?;
+            displaced.follow(prepared.workers.threads)?;
+            {
+                let there = displaced.prepare(&prepared.workers, &|| progress.cancelled())?;
+                statistics.add_seconds("build", start);
+                let progress = Part {
+                    whole: progress,
+                    part: part as u64,
+                    parts: IMAGES as u64,
+                };
+                let carried = steps.carried.as_ref().map(|v| (v, offset * step));
+                let (groups, size) =
+                    group_images(&there, &self.settings, carried, &progress, statistics)?;
+                each(DisplacedImages {
+                    groups,
+                    size,
+                    weight,
+                });
+            }
+            if let Some(lease) = displaced.finish() {
+                self.followers.give_back(lease, || Some(Box::new(())));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// What the images add up to.
@@ -161,11 +227,11 @@ impl Sums {
     }
 }
 
-/// Progress of one of several renderings.
-struct Part<'a> {
-    whole: &'a dyn Progress,
-    part: u64,
-    parts: u64,
+/// Progress of one of several parts that take as long.
+pub struct Part<'a> {
+    pub whole: &'a dyn Progress,
+    pub part: u64,
+    pub parts: u64,
 }
 
 impl Progress for Part<'_> {

@@ -3,6 +3,7 @@
 use super::differences;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
+use super::number_by_number;
 use super::objective::{self, Evaluation, Objective};
 use super::pilot::Question;
 use super::prepared::Prepared;
@@ -63,7 +64,8 @@ pub fn difference(
     differences::forward_by_step(&prepared, settings, direction, step, progress)
 }
 
-/// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass.
+/// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass or
+/// by a difference for each number.
 pub fn backward(
     scene: &Scene,
     settings: &Settings,
@@ -147,8 +149,8 @@ impl Prepared<'_> {
         objective::evaluate(self, settings, objective, progress)
     }
 
-    /// Reverse mode: the derivative of an objective with respect to all the parameters, in one
-    /// pass.
+    /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass
+    /// or by a difference for each number.
     pub fn backward(
         &self,
         settings: &Settings,
@@ -162,6 +164,9 @@ impl Prepared<'_> {
             let mut done = self.backward(&settled, wanted, objective, progress)?;
             done.statistics.add_pilot(pilot);
             return Ok(done);
+        }
+        if settings.method.displaces_scenes() {
+            return number_by_number::backward(self, settings, wanted, objective, progress);
         }
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
         let mut done = super::backward::backward(self, settings, &request, objective, progress)?;

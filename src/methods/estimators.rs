@@ -117,8 +117,8 @@ pub enum Way {
     /// Stored paths are differentiated, forwards or backwards. Any of the samples can be
     /// differentiated apart.
     Paths,
-    /// Images of scenes that are displaced along one direction are compared. There is no reverse
-    /// mode, and each image needs all the samples.
+    /// Images of scenes that are displaced along one direction are compared. In reverse that takes one
+    /// difference for each number, and each image needs all the samples.
     Images {
         /// Whether the samples are carried along with what they see.
         are_carried: bool,
@@ -289,7 +289,8 @@ impl Method {
         self.estimator().title
     }
 
-    /// Whether it gives the derivative of one number by many parameters in one pass.
+    /// Whether it gives the derivative of one number by many parameters in one pass, which is the
+    /// transpose of what it does forward.
     pub fn has_reverse_mode(self) -> bool {
         self.estimator().way == Way::Paths
     }

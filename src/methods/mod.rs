@@ -17,6 +17,7 @@ mod forward;
 mod group_images;
 mod groups;
 mod moving_samples;
+mod number_by_number;
 mod objective;
 mod parts;
 mod pilot;

@@ -33,12 +33,18 @@ const SAMPLES: [u32; 2] = [2, 16];
 const LEAST_PATHS: f64 = 16384.0;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
+/// In reverse differences are tried for at most so many numbers, each of which takes one. Before
+/// smooth metal and glass paths may have 10⁴ times their variance, but rarely elsewhere.
+const MOST_NUMBERS: usize = 64;
+
 /// What one may ask for.
 pub enum Question<'a> {
     /// The gradient image along a direction.
     Forward(&'a [(Parameter, Vec<f32>)]),
     /// The derivative of a number by these.
     Backward(&'a [Parameter]),
+    /// Both by these, in the same way, of which one is the transpose of the other.
+    ForwardAndBackward(&'a [Parameter]),
 }
 
 impl Prepared<'_> {
@@ -58,12 +64,12 @@ impl Prepared<'_> {
             pilot.chosen = way.name();
             return Ok((way.settle(settings), pilot));
         };
-        let forward = matches!(question, Question::Forward(_));
+        let differences = differences_asked(settings, question, &direction);
         let named = direction.iter().map(|(p, v)| (p.key.clone(), v.clone()));
-        let asked = Asked::new(settings, forward, named.collect());
+        let asked = Asked::new(settings, differences, named.collect());
         let mut seconds = 0.0;
         let (way, mut pilot) = self.parts.decisions.once(asked, || {
-            let (way, mut pilot) = self.try_ways(settings, forward, &direction, progress)?;
+            let (way, mut pilot) = self.try_ways(settings, differences, &direction, progress)?;
             pilot.chosen = way.name();
             seconds = start.elapsed().as_secs_f64();
             Ok::<_, EngineError>((way, pilot))
@@ -75,18 +81,16 @@ impl Prepared<'_> {
     fn try_ways(
         &self,
         settings: &Settings,
-        forward: bool,
+        differences: Option<usize>,
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
     ) -> Result<(Contender, Pilot), EngineError> {
-        // Whole images are compared by one process.
-        let has_differences = forward && settings.groups().only.is_none();
-        let carries = has_differences && carries(self, settings, direction)?;
+        let carries = differences.is_some() && carries(self, settings, direction)?;
         let sensor = &self.scene.sensors[settings.sensor];
         let (settings, share) = of_pilot(self, &settings.through_lens(sensor, true))?;
         let mut trials = Trials::new(self, settings, (direction, share), progress);
         match trials.run(Contender::Mixture(Mixture::default())) {
-            Err(EngineError::Refused(sentence)) if has_differences => {
+            Err(EngineError::Refused(sentence)) if differences.is_some() => {
                 let way = match carries {
                     true => Contender::CarriedDifferences,
                     false => Contender::Differences,
@@ -95,9 +99,9 @@ impl Prepared<'_> {
             }
             tried => tried?,
         }
-        match has_differences {
-            true => trials.run_all(carries)?,
-            false => trials.run_mixtures()?,
+        match differences {
+            Some(count) => trials.run_all(carries, count)?,
+            None => trials.run_mixtures()?,
         }
         Ok((trials.best(), trials.into_pilot()))
     }
@@ -116,7 +120,7 @@ fn moving_direction(
     };
     let direction = match question {
         Question::Forward(direction) => direction.to_vec(),
-        Question::Backward(wanted) => {
+        Question::Backward(wanted) | Question::ForwardAndBackward(wanted) => {
             // All of them at once, each as fast on the film as the others.
             let mut together = Vec::new();
             for parameter in *wanted {
@@ -131,6 +135,24 @@ fn moving_direction(
     };
     let is_worth_it = !direction.is_empty() && moves(&direction)?;
     Ok(is_worth_it.then_some(direction))
+}
+
+/// How many differences would answer, if they can: one along a direction, or else one for each
+/// number, which have to be few.
+fn differences_asked(
+    settings: &Settings,
+    question: &Question,
+    direction: &[(Parameter, Vec<f32>)],
+) -> Option<usize> {
+    match question {
+        // Whole images are compared by one process.
+        Question::Forward(_) => settings.groups().only.is_none().then_some(1),
+        Question::Backward(_) => {
+            let numbers = direction.iter().map(|(p, _)| p.len()).sum();
+            (numbers <= MOST_NUMBERS).then_some(numbers)
+        }
+        Question::ForwardAndBackward(_) => None,
+    }
 }
 
 /// Fewer samples on the whole film, or on tiles of it where even the least would be too many. What has

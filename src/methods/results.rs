@@ -3,7 +3,7 @@
 use super::statistics::Statistics;
 use crate::gradient::terms::Terms;
 use crate::picture::Image;
-use crate::scene::SceneDifferential;
+use crate::scene::parameters::Gradient;
 
 /// What [`render`](super::render()) gives.
 #[derive(Clone, Debug, Default)]
@@ -27,9 +27,9 @@ pub struct ForwardGradient {
 #[derive(Debug)]
 pub struct BackwardGradient {
     pub image: Image,
-    pub gradient: SceneDifferential,
+    pub gradient: Gradient,
     /// Independent estimates of the gradient, whose mean is `gradient`.
-    pub groups: Vec<SceneDifferential>,
+    pub groups: Vec<Gradient>,
     pub loss: f64,
     /// Whether few samples carry it.
     pub terms: Terms,

@@ -53,7 +53,13 @@ pub struct Groups {
 impl Settings {
     /// Whether it is still open what `auto` does.
     pub fn needs_pilot(&self) -> bool {
-        self.method.asks_a_pilot() && self.constants.mixture.is_none()
+        self.method.asks_a_pilot() && !self.is_decided()
+    }
+
+    /// Whether `auto` has come to what is to be done. Then differences are taken only where something
+    /// moves edges.
+    pub fn is_decided(&self) -> bool {
+        self.constants.mixture.is_some()
     }
 
     /// Those of a gradient of what moves: where the lens has an extent each tile of each group looks

@@ -39,6 +39,8 @@ pub struct Trials<'a> {
     direction: Direction<'a>,
     /// The paths of a trial over those of the job.
     share: f64,
+    /// Differences that would answer, one for each number.
+    differences: usize,
     progress: &'a dyn Progress,
     done: Vec<Tried>,
 }
@@ -70,6 +72,7 @@ impl<'a> Trials<'a> {
             settings,
             direction,
             share,
+            differences: 1,
             progress,
             done: Vec::new(),
         }
@@ -94,12 +97,12 @@ impl<'a> Trials<'a> {
         };
         let environment = prepared.scene.environment.as_ref();
         let has_map = environment.is_some_and(|e| e.map.is_some());
-        let of_scenes = match way.is_difference() {
-            true => self.share * DISPLACED_VERTEX_US * self.moved_vertices()?,
-            false => 0.0,
-        };
         let variance = variance(&found);
-        let work = work(way, &found.statistics.rays, has_map) + of_scenes;
+        let mut work = work(way, &found.statistics.rays, has_map);
+        if way.is_difference() {
+            work += self.share * DISPLACED_VERTEX_US * self.moved_vertices()?;
+            work *= self.differences as f64;
+        }
         self.done.push(Tried {
             way,
             variance,
@@ -152,8 +155,10 @@ impl<'a> Trials<'a> {
         Ok(())
     }
 
-    /// Tries all that may be best; the usual has been.
-    pub fn run_all(&mut self, carries: bool) -> Result<(), EngineError> {
+    /// Tries all that may be best; the usual has been. `carries`: whether samples of differences can be
+    /// carried; `differences`: how many of these it would take.
+    pub fn run_all(&mut self, carries: bool, differences: usize) -> Result<(), EngineError> {
+        self.differences = differences;
         if carries {
             self.run(Contender::CarriedDifferences)?;
         }

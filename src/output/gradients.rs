@@ -2,8 +2,8 @@
 
 use super::tensors::Tensor;
 use crate::picture::Image;
-use crate::scene::parameters::{self, Parameter};
-use crate::scene::{Scene, SceneDifferential};
+use crate::scene::Scene;
+use crate::scene::parameters::{Gradient, Parameter};
 use crate::statistics::estimate::Estimate;
 
 /// Ends the name of a gradient's standard error.
@@ -13,12 +13,12 @@ pub const STANDARD_ERROR: &str = "#se";
 pub fn reduced(
     scene: &Scene,
     parameter: &Parameter,
-    groups: &[SceneDifferential],
+    groups: &[Gradient],
 ) -> Vec<Vec<f32>> {
     // Reduced first: the parts of a sum are not independent within a group.
     let groups = groups.iter();
     groups
-        .map(|group| parameters::reduce(scene, parameter, group))
+        .map(|group| group.by(scene, parameter))
         .collect()
 }
 

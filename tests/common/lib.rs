@@ -140,7 +140,7 @@ pub fn pull_back(
         methods::backward(scene, settings, wanted, &objective, &Quiet).expect("a gradient");
     wanted
         .iter()
-        .map(|p| parameters::reduce(scene, p, &result.gradient))
+        .map(|p| result.gradient.by(scene, p))
         .collect()
 }
 

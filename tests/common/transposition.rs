@@ -117,7 +117,7 @@ pub fn both_sides_by(
 
     let reduced = direction
         .iter()
-        .map(|(p, _)| parameters::reduce(scene, p, &pulled.gradient));
+        .map(|(p, _)| pulled.gradient.by(scene, p));
     let products = reduced
         .zip(direction)
         .flat_map(|(g, (_, v))| g.into_iter().zip(v));
@@ -129,7 +129,8 @@ pub fn both_sides_by(
             .map(|(g, v)| (g * v).abs())
             .sum::<f64>()
     };
-    let groups = pulled.groups.iter().map(of_group).sum::<f64>() / pulled.groups.len() as f64;
+    let groups = pulled.groups.iter().map(|group| &group.cotangent);
+    let groups = groups.map(of_group).sum::<f64>() / pulled.groups.len() as f64;
     let magnitude = |image: &[f64]| {
         image
             .iter()

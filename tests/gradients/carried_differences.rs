@@ -16,7 +16,7 @@ const CAMERA: [(&str, &[f32]); 2] = [
 ];
 
 /// A dented ball of polished metal on a floor, which sees itself.
-fn metal() -> Scene {
+pub fn metal() -> Scene {
     let ball = spiky(vec3(0.0, 0.0, 0.4), 0.4, [1.0, 0.85]);
     small_floor()
         .constant_environment(SKY)
@@ -26,7 +26,7 @@ fn metal() -> Scene {
 }
 
 /// The same, seen from near.
-fn near_metal() -> Scene {
+pub fn near_metal() -> Scene {
     let mut near = metal();
     near.sensors[0].x_fov_rad *= 0.4;
     near

@@ -6,8 +6,8 @@ use glam::{Vec3, Vec3A, vec3};
 use warpath::methods::{
     self, Base, EditedScene, Followers, Image, Method, Objective, Parts, Settings, Workers,
 };
-use warpath::scene::parameters::{self, Parameter};
-use warpath::scene::{DeltaLightKind, Scene, SceneDifferential, origin};
+use warpath::scene::parameters::{self, Gradient, Parameter};
+use warpath::scene::{DeltaLightKind, Scene, origin};
 
 /// More tiles than the threads are given at once, lights, an environment, several bounces.
 fn room() -> Scene {
@@ -49,10 +49,10 @@ fn bits(image: &Image) -> Vec<[u32; 3]> {
 }
 
 /// All numbers of a gradient, bit by bit.
-fn gradient_bits(scene: &Scene, wanted: &[Parameter], gradient: &SceneDifferential) -> Vec<u32> {
+fn gradient_bits(scene: &Scene, wanted: &[Parameter], gradient: &Gradient) -> Vec<u32> {
     wanted
         .iter()
-        .flat_map(|p| parameters::reduce(scene, p, gradient))
+        .flat_map(|p| gradient.by(scene, p))
         .map(f32::to_bits)
         .collect()
 }

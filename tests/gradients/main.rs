@@ -31,6 +31,7 @@ mod lens;
 mod long;
 mod mixtures;
 mod needs;
+mod number_by_number;
 mod refusals;
 mod second_estimator;
 mod see_through;

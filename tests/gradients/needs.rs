@@ -71,7 +71,7 @@ fn backward_rays(scene: &Scene, key: &str) -> (Vec<f32>, Rays) {
     )
     .expect("a gradient");
     (
-        parameters::reduce(scene, &wanted[0], &result.gradient),
+        result.gradient.by(scene, &wanted[0]),
         rays_of(&result.statistics),
     )
 }
@@ -182,7 +182,7 @@ fn no_adjoint_no_gradient() {
     )
     .expect("a gradient");
     for parameter in &wanted {
-        let gradient = parameters::reduce(&scene, parameter, &result.gradient);
+        let gradient = result.gradient.by(&scene, parameter);
         assert!(gradient.iter().all(|g| *g == 0.0), "{}", parameter.key);
     }
 }

@@ -10,7 +10,7 @@ use common::{Quiet, direction, flat, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{Image, Method, Objective, Settings, backward, forward};
 use warpath::scene::Scene;
-use warpath::scene::parameters::{self, Parameter};
+use warpath::scene::parameters::{self, Gradient, Parameter};
 
 const BATCHES: u64 = 8;
 /// The ratio of stated error and spread.
@@ -132,11 +132,9 @@ fn of_groups(scene: &Scene, wanted: &Parameter, spp: u32, seed: u64) -> Stated {
         &Quiet,
     )
     .expect("a gradient");
-    let reduced = |d| {
-        parameters::reduce(scene, wanted, d)
-            .into_iter()
-            .map(f64::from)
-            .collect::<Vec<_>>()
+    let reduced = |gradient: &Gradient| -> Vec<f64> {
+        let numbers = gradient.by(scene, wanted).into_iter();
+        numbers.map(f64::from).collect()
     };
     let groups: Vec<Vec<f64>> = result.groups.iter().map(reduced).collect();
     let number = |i: usize| Estimate::mean(&groups.iter().map(|g| g[i]).collect::<Vec<_>>());

@@ -75,7 +75,7 @@ impl Check {
             "pilot",
             &settings,
             |scene, settings, progress| {
-                let question = Question::Backward(&keys);
+                let question = Question::ForwardAndBackward(&keys);
                 let (settled, pilot) = methods::decide(scene, settings, &question, progress)?;
                 let mut statistics = Statistics::default();
                 statistics.add_pilot(pilot);
@@ -226,12 +226,12 @@ impl Check {
         let scene = &self.session.scene;
         let mut backward = 0.0;
         for (parameter, tangent) in &self.direction {
-            let reduced = parameters::reduce(scene, parameter, &done.gradient);
+            let reduced = done.gradient.by(scene, parameter);
             backward += inner(&reduced, tangent).0;
         }
         // What moves as one cancels over its vertices.
         let tangent = parameters::tangent(scene, &self.direction, settings.sensor)?;
-        let size = done.gradient.inner_magnitude(&tangent);
+        let size = done.gradient.cotangent.inner_magnitude(&tangent);
         let weight: f64 = weights.iter().map(|w| f64::from(w.abs())).sum();
         Ok(Transposition::new(
             forward,

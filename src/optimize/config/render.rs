@@ -64,12 +64,7 @@ pub fn read(table: &Table) -> Result<RenderSettings, Failure> {
     render.max_depth = max_depth(&inner)?;
     let names: Vec<&str> = ESTIMATORS.iter().map(|e| e.name).collect();
     if let Some(name) = inner.choice("method", &names)? {
-        let method = Method::named(name).unwrap_or_default();
-        if !method.has_reverse_mode() {
-            let what = format!("{name} has no reverse mode; write \"reparam\"");
-            return Err(inner.error("method", what));
-        }
-        render.method = method;
+        render.method = Method::named(name).unwrap_or_default();
     }
     if let Some(shares) = inner.count("shares", 1, 4096)? {
         render.shares = shares as u32;

@@ -245,6 +245,7 @@ impl Problem {
             .and_then(|p| p.decide(&settings, &Question::Backward(&parameters), progress))
             .map_err(failed)?;
         let (settled, pilot) = decided;
+        self.settings.method = settled.method;
         self.settings.constants = settled.constants;
         self.pilot = Some(pilot);
         Ok(())

@@ -7,8 +7,8 @@
 //! A rotation vector r + dr turns by R(J dr)R(r), where J is the left Jacobian of SO(3)
 //! \[Sola2018\] (eq. 145).
 
-use crate::scene::parameters::{self, Parameter, Target};
-use crate::scene::{Body, Scene, SceneDifferential};
+use crate::scene::parameters::{self, Gradient, Parameter, Target};
+use crate::scene::{Body, Scene};
 use glam::{DMat3, DVec3};
 
 /// J(r)ᵀw, for the rotation vector r.
@@ -32,17 +32,17 @@ pub fn turn(r: DVec3) -> DMat3 {
     DMat3::from_quat(glam::DQuat::from_scaled_axis(r))
 }
 
-/// The gradient of one of some parameters at its value, from the cotangents of the present scene.
+/// The gradient of one of some parameters at its value, from that by the present scene.
 pub fn gradient(
     base: &Scene,
     now: &Scene,
     all: &[Parameter],
     values: &[Vec<f32>],
     which: usize,
-    cotangent: &SceneDifferential,
+    found: &Gradient,
 ) -> Vec<f32> {
     let parameter = &all[which];
-    let plain = parameters::reduce(now, parameter, cotangent);
+    let plain = found.by(now, parameter);
     let value = &values[which];
     let vector = |v: &[f32]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
     match parameter.target {
@@ -52,19 +52,35 @@ pub fn gradient(
         }
         Some(Target::ShapeRotation(body)) => {
             let about = about_pivot(base, now, all, values, body);
-            let force = force(now, parameter, body, cotangent);
+            let force = force(now, parameter, body, found);
             let torque = vector(&plain) + about.cross(force);
             let w = transposed_left_jacobian(vector(value), torque);
             w.as_vec3().to_array().to_vec()
         }
         Some(Target::ShapeScale(body)) => {
             let about = about_pivot(base, now, all, values, body);
-            let force = force(now, parameter, body, cotangent);
+            let force = force(now, parameter, body, found);
             let virial = f64::from(plain[0]) + about.dot(force);
             vec![(virial / f64::from(value[0])) as f32]
         }
         _ => plain,
     }
+}
+
+/// The parameters whose derivatives [`gradient`] needs to give those of these: what turns or grows
+/// about a point that is not that of the present scene moves, too.
+pub fn needed(scene: &Scene, wanted: &[Parameter]) -> Vec<Parameter> {
+    let mut needed = wanted.to_vec();
+    for parameter in wanted {
+        if let Some(Target::ShapeRotation(body) | Target::ShapeScale(body)) = parameter.target {
+            let translation = Some(Target::ShapeTranslation(body));
+            if needed.iter().all(|p| p.target != translation) {
+                let all = parameters::list(scene).into_iter();
+                needed.extend(all.filter(|p| p.target == translation).take(1));
+            }
+        }
+    }
+    needed
 }
 
 /// From the pivot that the pose turns about to that of the present scene.
@@ -88,18 +104,19 @@ fn about_pivot(
 }
 
 /// The derivative by a translation.
-fn force(now: &Scene, parameter: &Parameter, body: Body, cotangent: &SceneDifferential) -> DVec3 {
+fn force(now: &Scene, parameter: &Parameter, body: Body, found: &Gradient) -> DVec3 {
     let translation = Parameter {
         target: Some(Target::ShapeTranslation(body)),
         ..parameter.clone()
     };
-    let sum = parameters::reduce(now, &translation, cotangent);
+    let sum = found.by(now, &translation);
     DVec3::new(sum[0].into(), sum[1].into(), sum[2].into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SceneDifferential;
     use crate::scene::load_from;
     use crate::scene::source::Memory;
     use glam::Vec3;
@@ -144,8 +161,20 @@ mod tests {
         let mut cotangent = SceneDifferential::none(&now);
         let count = now.meshes[0].positions.len();
         cotangent.positions[0] = Some((0..count).map(weight).collect());
+        let whole = Gradient::from(cotangent);
+        // As differences have it: of what is needed for a rotation or a scaling alone, nothing more.
+        let alone = |parameter: &Parameter| {
+            let needed = needed(&base, std::slice::from_ref(parameter)).into_iter();
+            let numbers = needed.filter_map(|p| Some((p.target?, whole.by(&now, &p))));
+            Gradient {
+                cotangent: SceneDifferential::none(&now),
+                numbers: numbers.collect(),
+            }
+        };
         for (which, parameter) in all.iter().enumerate() {
-            let found = gradient(&base, &now, &all, &values, which, &cotangent);
+            let found = gradient(&base, &now, &all, &values, which, &whole);
+            let again = gradient(&base, &now, &all, &values, which, &alone(parameter));
+            assert_eq!(found, again, "{}", parameter.key);
             for c in 0..parameter.len() {
                 let h = 1.0 / 64.0;
                 let at = |by: f32| {

@@ -2,7 +2,7 @@
 
 use super::errors::{ParameterError, distance, wanted};
 use crate::jobs::failure::Failure;
-use crate::methods::{EngineError, Groups, Objective, Prepared, Progress, Settings};
+use crate::methods::{EngineError, Groups, Method, Objective, Prepared, Progress, Settings};
 use crate::optimize::problem::view::View;
 use crate::optimize::problem::{Problem, seeds};
 use crate::optimize::run::state::State;
@@ -63,6 +63,11 @@ fn weights(
             seed: seeds::of(problem.config.seed, [seeds::SEEN, number as u64, 0]),
             resolution: view.resolution,
             sensor: view.sensor,
+            // All numbers in one pass.
+            method: match problem.settings.method.has_reverse_mode() {
+                true => problem.settings.method,
+                false => Method::Reparam,
+            },
             groups: Some(Groups {
                 count: 1,
                 only: None,
@@ -75,7 +80,7 @@ fn weights(
         let done = prepared
             .backward(&settings, asked, &objective, progress)
             .map_err(failed)?;
-        let slopes = parameters::reduce(truth, parameter, &done.gradient);
+        let slopes = done.gradient.by(truth, parameter);
         for (weight, slope) in weights.iter_mut().zip(slopes) {
             *weight += f64::from(slope.abs());
         }

@@ -103,15 +103,15 @@ impl Units<'_> {
             return Ok(vec![0.0; numbers * group_number]);
         }
         let prepared = self.prepared(look)?;
-        let objective = Objective::Adjoint(adjoint);
-        let done = prepared
-            .backward(&settings, &wanted, &objective, self.progress)
-            .map_err(failed)?;
-        statistics.absorb(&done.statistics);
         let base = match (look.silhouette, &self.problem.silhouette) {
             (true, Some(base)) => &base.scene,
             _ => &self.problem.base.scene,
         };
+        let objective = Objective::Adjoint(adjoint);
+        let done = prepared
+            .backward(&settings, &pose::needed(base, &wanted), &objective, self.progress)
+            .map_err(failed)?;
+        statistics.absorb(&done.statistics);
         let mut all = Vec::with_capacity(numbers * done.groups.len());
         for group in &done.groups {
             for (which, variable) in variables.iter().enumerate() {

@@ -3,6 +3,7 @@
 mod cotangent;
 mod entries;
 mod entry;
+mod gradient;
 mod motion;
 mod parameter;
 mod surfaces;
@@ -15,6 +16,7 @@ mod to_world;
 mod value;
 
 pub use cotangent::{reduce, wanted};
+pub use gradient::Gradient;
 pub use motion::{apply, displace, pivot};
 pub use parameter::Parameter;
 pub use tangent::tangent;

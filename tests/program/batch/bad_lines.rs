@@ -160,11 +160,6 @@ fn bad_lines() -> Vec<(String, i32, &'static str)> {
             "loss: unknown variant `l3`",
         ),
         (
-            backward(r#""target":"target.npy","method":"fd""#),
-            3,
-            "fd has no reverse mode",
-        ),
-        (
             backward(r#""target":"small.npy""#),
             3,
             "small.npy: 4x4 pixels, the image rendered has 8x6",

@@ -126,11 +126,6 @@ fn wrong_usage_is_told() {
                 "l1",
             ),
             (
-                "backward s.xml --param floor.translation --target a.npy --method fd",
-                2,
-                "does not run backward",
-            ),
-            (
                 "check s.xml --param floor.translation=1 --method fd",
                 2,
                 "checked against",

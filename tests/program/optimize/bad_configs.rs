@@ -8,7 +8,7 @@ const VIEWS: &str = "[truth]\nspp = 64\n\n[[view]]\nsensor = \"cam\"";
 
 /// What of the good configuration is replaced, by what, and a part of the message.
 // Long: a table.
-const BAD: [(&str, &str, &str); 73] = [
+const BAD: [(&str, &str, &str); 72] = [
     (
         "scene = \"s.xml\"",
         "",
@@ -145,11 +145,6 @@ const BAD: [(&str, &str, &str); 73] = [
         "spp = 8\n",
         "spp = 8\nssp = 8\n",
         "bad.toml:13:1: render.ssp: render has no such key; the nearest known name is \"spp\"",
-    ),
-    (
-        "spp = 8\n",
-        "method = \"fd\"\n",
-        "render.method: fd has no reverse mode; write \"reparam\"",
     ),
     (
         "spp = 8\n",
