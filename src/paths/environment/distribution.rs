@@ -9,6 +9,7 @@
 //! map's power along it, with points at quantiles of its power: most lines run through the sun,
 //! most of their points lie in it.
 
+use crate::paths::environment::guide::Guide;
 use crate::paths::environment::map;
 use crate::paths::light::patches::luminance;
 use crate::room::{self, Cancelled, NoRoom, Unfinished};
@@ -48,6 +49,8 @@ struct Meridians {
     column_sum: Vec<f64>,
     /// Within each column, sums up to and including each row (to 1).
     row_sum: Vec<f64>,
+    column_guide: Guide,
+    row_guide: Guide,
 }
 
 /// A meridian, with points on it.
@@ -197,6 +200,8 @@ impl Meridians {
             rows,
             column_sum: vec![0.0; columns],
             row_sum: Vec::new(),
+            column_guide: Guide::default(),
+            row_guide: Guide::default(),
         }
     }
 
@@ -258,14 +263,14 @@ impl Meridians {
             *column = sum;
         }
         self.column_sum.iter_mut().for_each(|c| *c /= sum);
+        self.column_guide = Guide::new(&self.column_sum, columns);
+        self.row_guide = Guide::new(&self.row_sum, rows);
     }
 
     /// Column, longitude and density over longitude.
     fn draw_column(&self, u: f64) -> (usize, f64, f64) {
-        let column = self
-            .column_sum
-            .partition_point(|&c| c <= u)
-            .min(self.columns - 1);
+        let column = self.column_guide.find(0, &self.column_sum, u);
+        let column = column.min(self.columns - 1);
         let below = if column == 0 {
             0.0
         } else {
@@ -288,7 +293,7 @@ impl Meridians {
     /// Latitude and density over latitude.
     fn draw_row(&self, column: usize, v: f64) -> (f64, f64) {
         let sums = &self.row_sum[column * self.rows..(column + 1) * self.rows];
-        let row = sums.partition_point(|&s| s <= v).min(self.rows - 1);
+        let row = self.row_guide.find(column, sums, v).min(self.rows - 1);
         let below = if row == 0 { 0.0 } else { sums[row - 1] };
         let part = ((v - below) / (sums[row] - below)).clamp(0.0, 1.0);
         let psi = PI * (row as f64 + part) / self.rows as f64 - FRAC_PI_2;
