@@ -81,17 +81,20 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     // Pictures being written are copied once more, and packed.
     let written = pixels * 12 * 3;
     let tiles = settings.threads as u64 * (TILE_BYTES + WAITING_TILES * (2 << 16));
+    let method = settings.method;
+    let displaced = match method.displaces_scenes() || method.asks_a_pilot() {
+        true => pixels * (24 + 12) * (groups + 1) + of_scene(scene),
+        false => 0,
+    };
     let own = match job.mode {
         Mode::Render => image,
         Mode::Forward => {
-            let displaced = pixels * (24 + 12) * (groups + 1) + of_scene(scene);
             // The directions of all vertices, and their motion.
             let swept = 2 * image + 3 * 12 * vertices;
-            match settings.method {
-                method if method.displaces_scenes() => displaced,
-                // Which it will be is not known yet.
-                method if method.asks_a_pilot() => displaced.max(swept),
-                _ => swept,
+            match method.displaces_scenes() {
+                true => displaced,
+                // By a pilot it may be either.
+                false => displaced.max(swept),
             }
         }
         Mode::Backward => {
@@ -100,7 +103,8 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
             let waiting = WAITING_TILES * 16 * numbers.min(TOUCHED);
             let scratch = settings.threads as u64 * (17 * numbers + waiting);
             // Double sums of every group, then single ones, then those by parameter.
-            2 * image + numbers * (groups * (24 + 12 + 12) + 24) + scratch
+            let swept = 2 * image + numbers * (groups * (24 + 12 + 12) + 24) + scratch;
+            displaced.max(swept)
         }
     };
     let set = match job.set.0.is_empty() {

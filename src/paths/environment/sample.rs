@@ -35,8 +35,13 @@ impl At<'_> {
         } = *self;
         let (u, v) = self.numbers.pair(Pair::EnvironmentDirection);
         let (u, v) = (u.to_array(), v.to_array());
+        let lit = view.lit_by_map(vertices);
         let mut pdf = [1.0; LANES];
         let directions: [Vec3; LANES] = std::array::from_fn(|l| {
+            // Such as on smooth metal, which sees the map by its bounces alone.
+            if lit >> l & 1 == 0 {
+                return Vec3::Y;
+            }
             let (d, p) = distribution.sample(u[l] as f64, v[l] as f64);
             pdf[l] = p;
             d
@@ -51,7 +56,7 @@ impl At<'_> {
         };
         let zero = Lane::splat(0.0);
         let above = surface.n.dot(direction).gt(zero).to_bits();
-        let active = view.lit_by_map(vertices) & above;
+        let active = lit & above;
         let rays = view.leaving(surface.x, surface.geometric, direction, active);
         let visible = view.unoccluded(&rays, &mut counts.shadow);
         let light = Lane::new(pdf);
