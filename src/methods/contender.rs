@@ -8,8 +8,8 @@ use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 #[derive(Clone, Copy, PartialEq)]
 pub enum Contender {
     Mixture(Mixture),
+    /// Of samples that are carried, where they can be.
     Differences,
-    CarriedDifferences,
 }
 
 impl Contender {
@@ -18,8 +18,7 @@ impl Contender {
         let mut settled = settings.clone();
         let (method, mixture) = match self {
             Contender::Mixture(mixture) => (settings.method, mixture),
-            Contender::Differences => (Method::REFERENCE, Mixture::default()),
-            Contender::CarriedDifferences => (Method::CarriedFd, Mixture::default()),
+            Contender::Differences => (Method::CarriedFd, Mixture::default()),
         };
         settled.method = method;
         settled.constants.mixture = Some(mixture);
@@ -46,8 +45,7 @@ impl Contender {
                 };
                 format!("{film}, {lobes}")
             }
-            Contender::Differences => Method::REFERENCE.title().into(),
-            Contender::CarriedDifferences => Method::CarriedFd.title().into(),
+            Contender::Differences => Method::CarriedFd.title().into(),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Reverse mode by differences: one difference for every number that is asked for.
 //!
 //! With w the derivative of the objective by the image, the derivative by a number θᵢ is ⟨w, ∂I/∂θᵢ⟩,
-//! and the image's derivative along θᵢ is a difference ([`super::differences`]). It takes as many
-//! renderings as there are numbers, four times, which is worth it for a few numbers where stored
-//! paths have much more noise: smooth metal and glass, scanned meshes.
+//! and the image's derivative along θᵢ is a difference ([`super::differences`]). That is two
+//! renderings or four for each number, which is worth it for a few numbers where stored paths have much
+//! more noise: smooth metal and glass, scanned meshes.
 
-use super::differences::{Displaced, IMAGES, Part, Steps};
+use super::differences::{Displaced, Part, Steps};
 use super::error::EngineError;
 use super::estimators::Method;
 use super::objective::{Evaluation, Objective, check_size, evaluate, inner_product};
@@ -37,7 +37,7 @@ pub fn backward(
     let numbers = numbers(&differenced);
     if numbers > MOST_NUMBERS {
         return Err(EngineError::Refused(format!(
-            "{} takes {IMAGES} renderings for each of {numbers} numbers; take reparam, which takes one pass for all",
+            "{} would take one for each of {numbers} numbers; take reparam, which takes one pass for all",
             settings.method.title()
         )));
     }
@@ -49,7 +49,7 @@ pub fn backward(
         done.image = evaluation.image.unwrap_or(done.image);
     }
     done.statistics.notes.push(format!(
-        "{}: {IMAGES} renderings for each of {numbers} numbers",
+        "{}, one for each of {numbers} numbers",
         settings.method.title()
     ));
     let adjoint = &evaluation.adjoint.pixels;
@@ -101,8 +101,11 @@ pub fn parted(
 ) -> Result<(Vec<Parameter>, Vec<Parameter>), EngineError> {
     let (mut differenced, mut along_paths) = (Vec::new(), Vec::new());
     for parameter in wanted {
-        let request =
-            parameters::wanted(prepared.scene, std::slice::from_ref(parameter), settings.sensor)?;
+        let request = parameters::wanted(
+            prepared.scene,
+            std::slice::from_ref(parameter),
+            settings.sensor,
+        )?;
         let goes_along = settings.is_decided() && !request.moves_edges(prepared.scene);
         match goes_along {
             true => along_paths.push(parameter.clone()),

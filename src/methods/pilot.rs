@@ -6,7 +6,6 @@
 //! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
 //! in rays and not in seconds, so all processes and all runs come to the same.
 
-use super::carried;
 use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
@@ -85,22 +84,17 @@ impl Prepared<'_> {
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
     ) -> Result<(Contender, Pilot), EngineError> {
-        let carries = differences.is_some() && carries(self, settings, direction)?;
         let sensor = &self.scene.sensors[settings.sensor];
         let (settings, share) = of_pilot(self, &settings.through_lens(sensor, true))?;
         let mut trials = Trials::new(self, settings, (direction, share), progress);
         match trials.run(Contender::Mixture(Mixture::default())) {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {
-                let way = match carries {
-                    true => Contender::CarriedDifferences,
-                    false => Contender::Differences,
-                };
-                return Ok((way, Pilot::without_trials(sentence)));
+                return Ok((Contender::Differences, Pilot::without_trials(sentence)));
             }
             tried => tried?,
         }
         match differences {
-            Some(count) => trials.run_all(carries, count)?,
+            Some(count) => trials.run_all(count)?,
             None => trials.run_mixtures()?,
         }
         Ok((trials.best(), trials.into_pilot()))
@@ -181,14 +175,4 @@ fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<(Settings, f64),
     own.part_of_film = (part < 1.0).then_some(part);
     let of_job = part * f64::from(own.spp) / f64::from(settings.spp);
     Ok((own, of_job))
-}
-
-/// Whether the samples of differences could be carried along.
-fn carries(
-    prepared: &Prepared,
-    settings: &Settings,
-    direction: &[(Parameter, Vec<f32>)],
-) -> Result<bool, EngineError> {
-    let tangent = parameters::tangent(prepared.scene, direction, settings.sensor)?;
-    Ok(carried::is_possible(prepared.scene, settings, &tangent))
 }

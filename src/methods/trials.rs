@@ -18,12 +18,11 @@ use std::collections::BTreeMap;
 const WORTHWHILE: f64 = 1.2;
 /// And differences, whose work is compared worse, over the best of all else.
 const WORTHWHILE_DIFFERENCES: f64 = 1.4;
-/// Where carried differences are so many times better or worse than what is usual, others of the
-/// worse kind are not tried.
+/// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
-/// To make the displaced scenes of one difference, in microseconds for each vertex that moves:
-/// 0.6 and 2.3 in meshes of 150,000 and 360,000 vertices.
-const DISPLACED_VERTEX_US: f64 = 1.5;
+/// To make the two displaced scenes of a difference, in microseconds for each vertex that moves: of
+/// four it was 0.6 and 2.3 in meshes of 150,000 and 360,000 vertices.
+const DISPLACED_VERTEX_US: f64 = 0.75;
 
 /// Edges over lobes are tried if no greater part of the vertices moves, as a lamp over a forest. On
 /// 147 directions by cameras and large meshes they were never better by a fifth.
@@ -91,7 +90,7 @@ impl<'a> Trials<'a> {
                 let boundary = Method::Auto.boundary();
                 prepared.forward_by(&settings, direction, boundary, &quiet)?
             }
-            Contender::Differences | Contender::CarriedDifferences => {
+            Contender::Differences => {
                 differences::forward(prepared, &way.settle(&settings), direction, &quiet)?
             }
         };
@@ -146,7 +145,7 @@ impl<'a> Trials<'a> {
         }
         let film = match self.best_mixture().way {
             Contender::Mixture(best) => best.film,
-            Contender::Differences | Contender::CarriedDifferences => usual.film,
+            Contender::Differences => usual.film,
         };
         if looks_over_lobes && edges_from_rest && self.few_move()? {
             let lobes = OverLobes::EdgesFromRest;
@@ -155,25 +154,14 @@ impl<'a> Trials<'a> {
         Ok(())
     }
 
-    /// Tries all that may be best; the usual has been. `carries`: whether samples of differences can be
-    /// carried; `differences`: how many of these it would take.
-    pub fn run_all(&mut self, carries: bool, differences: usize) -> Result<(), EngineError> {
+    /// Tries all that may be best; the usual has been. `differences`: how many of these it would take.
+    pub fn run_all(&mut self, differences: usize) -> Result<(), EngineError> {
         self.differences = differences;
-        if carries {
-            self.run(Contender::CarriedDifferences)?;
+        self.run(Contender::Differences)?;
+        match self.done[0].cost() < CLEARLY * self.done[1].cost() {
+            true => self.run_mixtures(),
+            false => Ok(()),
         }
-        // How much better differences are than what is usual, if some have been tried.
-        let lead = match self.done[..] {
-            [ref usual, ref carried] => usual.cost() / carried.cost(),
-            _ => 1.0,
-        };
-        if lead < CLEARLY {
-            self.run_mixtures()?;
-        }
-        if lead * CLEARLY > 1.0 {
-            self.run(Contender::Differences)?;
-        }
-        Ok(())
     }
 
     /// What has the least noise for its work.
@@ -262,9 +250,8 @@ fn variance(found: &ForwardGradient) -> f64 {
 /// battery (`docs/method.md`, 14); that of drawn edges is a guess.
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: bool) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
-        (Contender::Differences, "camera") => 0.036,
-        (Contender::CarriedDifferences, "camera") => 0.15,
-        (Contender::Differences | Contender::CarriedDifferences, _) => 0.07,
+        (Contender::Differences, "camera") => 0.15,
+        (Contender::Differences, _) => 0.07,
         (Contender::Mixture(_), "camera") => 0.08,
         (Contender::Mixture(_), "shadow") => 0.3,
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,

@@ -10,16 +10,10 @@ use crate::statistics::estimate::Estimate;
 pub const STANDARD_ERROR: &str = "#se";
 
 /// Each group's gradient of one parameter.
-pub fn reduced(
-    scene: &Scene,
-    parameter: &Parameter,
-    groups: &[Gradient],
-) -> Vec<Vec<f32>> {
+pub fn reduced(scene: &Scene, parameter: &Parameter, groups: &[Gradient]) -> Vec<Vec<f32>> {
     // Reduced first: the parts of a sum are not independent within a group.
     let groups = groups.iter();
-    groups
-        .map(|group| group.by(scene, parameter))
-        .collect()
+    groups.map(|group| group.by(scene, parameter)).collect()
 }
 
 /// The mean of the groups under `name`, followed by its standard error if it is wanted and can be

@@ -115,9 +115,7 @@ pub fn both_sides_by(
     let pulled = backward.expect("a gradient");
     let tangent = parameters::tangent(scene, direction, 0).expect("a tangent");
 
-    let reduced = direction
-        .iter()
-        .map(|(p, _)| pulled.gradient.by(scene, p));
+    let reduced = direction.iter().map(|(p, _)| pulled.gradient.by(scene, p));
     let products = reduced
         .zip(direction)
         .flat_map(|(g, (_, v))| g.into_iter().zip(v));

@@ -295,7 +295,7 @@ fn it_says_why_nothing_is_tried() {
     };
     let moved = direction(&scene, &[("ball.translation", &MOVED)]);
     let (chosen, because) = why(&scene, &moved);
-    assert_eq!(chosen, "finite differences");
+    assert_eq!(chosen, "carried finite differences");
     assert!(because.contains("parallel projection"), "{because}");
     let keys: Vec<_> = moved.iter().map(|(p, _)| p.clone()).collect();
     let refused = decide(&scene, &own, &Question::Backward(&keys), &Quiet);

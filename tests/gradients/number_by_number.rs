@@ -124,5 +124,5 @@ fn too_many_numbers_are_refused() {
     let objective = Objective::Adjoint(&weight);
     let refused = methods::backward(&scene, &settings, &wanted, &objective, &Quiet);
     let sentence = refused.expect_err("a refusal").to_string();
-    assert!(sentence.contains("renderings for each of"), "{sentence}");
+    assert!(sentence.contains("one for each of"), "{sentence}");
 }

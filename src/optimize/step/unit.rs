@@ -109,7 +109,12 @@ impl Units<'_> {
         };
         let objective = Objective::Adjoint(adjoint);
         let done = prepared
-            .backward(&settings, &pose::needed(base, &wanted), &objective, self.progress)
+            .backward(
+                &settings,
+                &pose::needed(base, &wanted),
+                &objective,
+                self.progress,
+            )
             .map_err(failed)?;
         statistics.absorb(&done.statistics);
         let mut all = Vec::with_capacity(numbers * done.groups.len());
