@@ -68,7 +68,7 @@ pub enum Command {
         after_help = "Example: warpath forward scene.xml --param ball.translation=1,0,0 --param cam.x_fov=0.5 --spp 64"
     )]
     Forward(ForwardArguments),
-    /// Backward: gradients of a loss for all the keys in one pass
+    /// Backward: gradients of a loss for all the keys, in one pass or by few differences
     ///
     /// Writes gradients.safetensors and gradients.npz (one tensor a key, KEY#se its standard error)
     /// and image.exr.

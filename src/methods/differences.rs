@@ -40,11 +40,17 @@ const RICHARDSON: Scheme = &[
 ];
 const CENTRAL: Scheme = &[(-1.0, -0.5), (1.0, 0.5)];
 
-/// Renderings that a difference takes, at most.
+/// Renderings that a difference takes, and one whose samples are carried.
 pub const IMAGES: usize = RICHARDSON.len();
+pub const CARRIED_IMAGES: usize = CENTRAL.len();
 
 /// Samples a pixel up to which the step of carried differences is the usual.
 const FULL_STEP_SPP: f64 = 64.0;
+
+/// The step of carried differences over the usual, for this many samples a pixel.
+pub fn carried_step(spp: u32) -> f64 {
+    (FULL_STEP_SPP / f64::from(spp)).powf(0.2).min(1.0)
+}
 
 /// The gradient image along `direction`, by differences of the usual step; the samples are carried
 /// along with what they see if the method does that ([`super::carried`]).
@@ -112,8 +118,7 @@ impl Steps {
         let Some(velocity) = velocity else {
             return Ok(Self::at_rest(step));
         };
-        let shorter = (FULL_STEP_SPP / f64::from(settings.spp)).powf(0.2).min(1.0);
-        let step = step * shorter;
+        let step = step * carried_step(settings.spp);
         Ok(Self {
             step,
             scheme: CENTRAL,
@@ -277,5 +282,16 @@ impl Progress for Part<'_> {
     }
     fn cancelled(&self) -> bool {
         self.whole.cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_shorten_with_samples() {
+        let steps = [1, 64, 2048].map(carried_step);
+        assert!(steps[0] == 1.0 && steps[1] == 1.0 && (steps[2] - 0.5).abs() < 1e-12);
     }
 }

@@ -11,7 +11,7 @@ use super::progress::Progress;
 use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
 use super::statistics::{Pilot, Statistics};
-use super::tails::object_of;
+use super::tails::add_largest_parts;
 use crate::picture::Image;
 use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter};
@@ -170,12 +170,7 @@ impl Prepared<'_> {
         }
         let request = parameters::wanted(self.scene, wanted, settings.sensor)?;
         let mut done = super::backward::backward(self, settings, &request, objective, progress)?;
-        for parameter in wanted {
-            let object = parameter.target.and_then(object_of);
-            let share = object.and_then(|object| done.terms.largest_share(object));
-            let parts = &mut done.statistics.largest_parts;
-            parts.extend(share.map(|share| (parameter.key.clone(), share)));
-        }
+        add_largest_parts(&mut done, wanted);
         Ok(done)
     }
 }

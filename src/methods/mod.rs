@@ -39,7 +39,7 @@ mod workers;
 pub use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 pub use crate::picture::Image;
 pub use difference_step::step as difference_step;
-pub use differences::IMAGES as DIFFERENCE_IMAGES;
+pub use differences::{CARRIED_IMAGES as CARRIED_DIFFERENCE_IMAGES, IMAGES as DIFFERENCE_IMAGES};
 pub use dispatch::{backward, decide, difference, forward, render};
 pub use edited::{Base, EditedScene};
 pub use error::EngineError;

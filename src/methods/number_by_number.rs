@@ -14,8 +14,10 @@ use super::progress::Progress;
 use super::render::render;
 use super::results::BackwardGradient;
 use super::settings::{Groups, Settings};
+use super::tails::add_largest_parts;
 use crate::gradient::terms::Terms;
-use crate::scene::parameters::{self, Gradient, Parameter};
+use crate::picture::Image;
+use crate::scene::parameters::{self, Gradient, Parameter, Target};
 use crate::scene::{Rgb, SceneDifferential};
 use crate::statistics::estimate::Estimate;
 
@@ -24,8 +26,8 @@ const MOST_NUMBERS: usize = 10_000;
 
 /// The derivative of an objective by all numbers of the parameters.
 ///
-/// If it was `auto` that came to this, only what moves edges is done by differences, and the rest,
-/// such as the texels of a picture, along paths in one pass.
+/// If it was `auto` that came to this, only what moves geometry or what is refracted is done by
+/// differences, and the rest, such as the texels of a picture, along paths in one pass.
 pub fn backward(
     prepared: &Prepared,
     settings: &Settings,
@@ -34,16 +36,20 @@ pub fn backward(
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
     let (differenced, along_paths) = parted(prepared, settings, wanted)?;
-    let numbers = numbers(&differenced);
+    let numbers: usize = differenced.iter().map(|(_, p)| numbers_of(p)).sum();
     if numbers > MOST_NUMBERS {
         return Err(EngineError::Refused(format!(
             "{} would take one for each of {numbers} numbers; take reparam, which takes one pass for all",
             settings.method.title()
         )));
     }
-    let evaluation = evaluate(prepared, settings, objective, progress)?;
-    let mut done = rest(prepared, settings, &along_paths, &evaluation, progress)?;
-    check_size(&evaluation.adjoint, [done.image.width, done.image.height])?;
+    let part = |part: usize| Part {
+        whole: progress,
+        part: part as u64,
+        parts: (numbers + 2) as u64,
+    };
+    let evaluation = evaluate(prepared, settings, objective, &part(0))?;
+    let mut done = rest(prepared, settings, &along_paths, &evaluation, &part(1))?;
     if !matches!(objective, Objective::Adjoint(_)) {
         done.loss = evaluation.loss;
         done.image = evaluation.image.unwrap_or(done.image);
@@ -54,29 +60,22 @@ pub fn backward(
     ));
     let adjoint = &evaluation.adjoint.pixels;
     let displaced = Displaced::new(prepared, settings);
-    let mut finished = 0;
-    for parameter in differenced {
+    let mut finished = 2;
+    for (target, parameter) in differenced {
         let mut of_groups = vec![vec![0.0; parameter.len()]; done.groups.len()];
-        for number in 0..parameter.len() {
-            let progress = Part {
-                whole: progress,
-                part: finished,
-                parts: numbers as u64,
-            };
+        for number in 0..numbers_of(&parameter) {
             let mut one = vec![0.0; parameter.len()];
             one[number] = 1.0;
             let direction = [(parameter.clone(), one)];
             let steps = Steps::usual(prepared, settings, &direction)?;
-            displaced.render(&direction, &steps, &progress, &mut done.statistics, |it| {
+            let (progress, statistics) = (part(finished), &mut done.statistics);
+            displaced.render(&direction, &steps, &progress, statistics, |it| {
                 for (sums, image) in of_groups.iter_mut().zip(&it.groups) {
                     sums[number] += it.weight * weighed(image, adjoint);
                 }
             })?;
             finished += 1;
         }
-        let Some(target) = parameter.target else {
-            continue;
-        };
         let mean = |i| Estimate::mean_of(of_groups.iter().map(|group| group[i])).value as f32;
         let mean = (0..parameter.len()).map(mean).collect();
         done.gradient.numbers.push((target, mean));
@@ -88,70 +87,97 @@ pub fn backward(
     Ok(done)
 }
 
-/// How many numbers these are.
-pub fn numbers(parameters: &[Parameter]) -> usize {
-    parameters.iter().map(Parameter::len).sum()
+/// The numbers of a parameter that can change, which come first: the last row of a matrix stays.
+pub fn numbers_of(parameter: &Parameter) -> usize {
+    match parameter.target {
+        Some(Target::ShapeToWorld(_) | Target::SensorToWorld(_)) => 12,
+        _ => parameter.len(),
+    }
 }
 
-/// What is done by differences, and what along paths.
-pub fn parted(
+/// What is done by differences, each once, and what along paths.
+#[allow(clippy::type_complexity)]
+fn parted(
     prepared: &Prepared,
     settings: &Settings,
     wanted: &[Parameter],
-) -> Result<(Vec<Parameter>, Vec<Parameter>), EngineError> {
+) -> Result<(Vec<(Target, Parameter)>, Vec<Parameter>), EngineError> {
+    let scene = prepared.scene;
     let (mut differenced, mut along_paths) = (Vec::new(), Vec::new());
     for parameter in wanted {
-        let request = parameters::wanted(
-            prepared.scene,
-            std::slice::from_ref(parameter),
-            settings.sensor,
-        )?;
-        let goes_along = settings.is_decided() && !request.moves_edges(prepared.scene);
-        match goes_along {
-            true => along_paths.push(parameter.clone()),
-            false => differenced.push(parameter.clone()),
+        let one = std::slice::from_ref(parameter);
+        let request = parameters::wanted(scene, one, settings.sensor)?;
+        let moves = request.moves_geometry() || request.refraction_moves(scene);
+        match parameter.target {
+            Some(target) if moves || !settings.is_decided() => {
+                if differenced.iter().all(|(known, _)| *known != target) {
+                    differenced.push((target, parameter.clone()));
+                }
+            }
+            _ => along_paths.push(parameter.clone()),
         }
     }
     Ok((differenced, along_paths))
 }
 
-/// What needs no differences: the gradient by what moves no edges, and the image.
+/// What needs no differences: the gradient by what moves nothing, and the image, if the objective's
+/// has not been rendered.
 fn rest(
     prepared: &Prepared,
     settings: &Settings,
-    parameters: &[Parameter],
+    along_paths: &[Parameter],
     evaluation: &Evaluation,
     progress: &dyn Progress,
 ) -> Result<BackwardGradient, EngineError> {
     let adjoint = &evaluation.adjoint;
-    let mut done = match parameters.is_empty() {
-        true => {
-            let own_groups = match settings.groups() {
-                Groups { only: Some(_), .. } => 1,
-                Groups { count, .. } => count as usize,
-            };
-            let none = Gradient::from(SceneDifferential::none(prepared.scene));
-            let rendering = render(prepared, settings, progress)?;
-            BackwardGradient {
-                loss: inner_product(&rendering.image, adjoint),
-                image: rendering.image,
-                gradient: none.clone(),
-                groups: vec![none; own_groups],
-                terms: Terms::new(prepared.scene.meshes.len(), prepared.scene.textures.len()),
-                statistics: rendering.statistics,
-            }
-        }
+    let mut done = match along_paths.is_empty() {
+        true => without_paths(prepared, settings, evaluation, progress)?,
         false => {
             let settings = Settings {
                 method: Method::Auto,
                 ..settings.clone()
             };
-            let request = parameters::wanted(prepared.scene, parameters, settings.sensor)?;
+            let request = parameters::wanted(prepared.scene, along_paths, settings.sensor)?;
             let objective = Objective::Adjoint(adjoint);
-            super::backward::backward(prepared, &settings, &request, &objective, progress)?
+            let mut done =
+                super::backward::backward(prepared, &settings, &request, &objective, progress)?;
+            add_largest_parts(&mut done, along_paths);
+            done
         }
     };
     done.statistics.absorb(&evaluation.statistics);
+    Ok(done)
+}
+
+/// No gradient yet.
+fn without_paths(
+    prepared: &Prepared,
+    settings: &Settings,
+    evaluation: &Evaluation,
+    progress: &dyn Progress,
+) -> Result<BackwardGradient, EngineError> {
+    let scene = prepared.scene;
+    let own_groups = match settings.groups() {
+        Groups { only: Some(_), .. } => 1,
+        Groups { count, .. } => count as usize,
+    };
+    let none = Gradient::from(SceneDifferential::none(scene));
+    let mut done = BackwardGradient {
+        image: Image::default(),
+        loss: 0.0,
+        gradient: none.clone(),
+        groups: vec![none; own_groups],
+        terms: Terms::new(scene.meshes.len(), scene.textures.len()),
+        statistics: Default::default(),
+    };
+    if evaluation.image.is_none() {
+        let rendering = render(prepared, settings, progress)?;
+        let image = rendering.image;
+        check_size(&evaluation.adjoint, [image.width, image.height])?;
+        done.loss = inner_product(&image, &evaluation.adjoint);
+        done.image = image;
+        done.statistics = rendering.statistics;
+    }
     Ok(done)
 }
 

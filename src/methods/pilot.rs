@@ -10,12 +10,13 @@ use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
 use super::error::EngineError;
+use super::number_by_number::numbers_of;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::settings::{Groups, Settings};
 use super::stage::Stage;
 use super::statistics::{Pilot, Statistics};
-use super::trials::Trials;
+use super::trials::{Job, Trials};
 use crate::boundary::mixture::Mixture;
 use crate::scene::parameters::{self, Parameter};
 use std::time::Instant;
@@ -85,8 +86,12 @@ impl Prepared<'_> {
         progress: &dyn Progress,
     ) -> Result<(Contender, Pilot), EngineError> {
         let sensor = &self.scene.sensors[settings.sensor];
-        let (settings, share) = of_pilot(self, &settings.through_lens(sensor, true))?;
-        let mut trials = Trials::new(self, settings, (direction, share), progress);
+        let (own, share) = of_pilot(self, &settings.through_lens(sensor, true))?;
+        let job = Job {
+            spp: settings.spp,
+            share,
+        };
+        let mut trials = Trials::new(self, own, (direction, job), progress);
         match trials.run(Contender::Mixture(Mixture::default())) {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {
                 return Ok((Contender::Differences, Pilot::without_trials(sentence)));
@@ -142,7 +147,7 @@ fn differences_asked(
         // Whole images are compared by one process.
         Question::Forward(_) => settings.groups().only.is_none().then_some(1),
         Question::Backward(_) => {
-            let numbers = direction.iter().map(|(p, _)| p.len()).sum();
+            let numbers = direction.iter().map(|(p, _)| numbers_of(p)).sum();
             (numbers <= MOST_NUMBERS).then_some(numbers)
         }
         Question::ForwardAndBackward(_) => None,

@@ -1,15 +1,26 @@
 //! What is said of results that few samples carry: see `gradient::terms`.
 
+use super::results::BackwardGradient;
 use crate::gradient::terms::Object;
 use crate::scene::Rgb;
-use crate::scene::parameters::Target;
+use crate::scene::parameters::{Parameter, Target};
 
 /// Where one part carries more of a result than this, its standard error may be too small
 /// (scripts/coverage.py).
 pub const MOST: f64 = 0.3;
 
+/// Notes of a gradient by these parameters what its largest parts are.
+pub fn add_largest_parts(done: &mut BackwardGradient, wanted: &[Parameter]) {
+    for parameter in wanted {
+        let object = parameter.target.and_then(object_of);
+        let share = object.and_then(|object| done.terms.largest_share(object));
+        let parts = &mut done.statistics.largest_parts;
+        parts.extend(share.map(|share| (parameter.key.clone(), share)));
+    }
+}
+
 /// What a parameter's gradient is a part of.
-pub fn object_of(target: Target) -> Option<Object> {
+fn object_of(target: Target) -> Option<Object> {
     match target {
         Target::VertexPositions(mesh) | Target::VertexNormals(mesh) => Some(Object::Mesh(mesh)),
         Target::ShapeToWorld(body)

@@ -43,9 +43,10 @@ pub fn paths(task: &Task) -> u64 {
 }
 
 fn images(method: Method) -> u64 {
-    match method.displaces_scenes() {
-        true => methods::DIFFERENCE_IMAGES as u64,
-        false => GRADIENT_IMAGES,
+    match (method.displaces_scenes(), method.carries_samples()) {
+        (true, true) => methods::CARRIED_DIFFERENCE_IMAGES as u64,
+        (true, false) => methods::DIFFERENCE_IMAGES as u64,
+        (false, _) => GRADIENT_IMAGES,
     }
 }
 

@@ -1,9 +1,12 @@
 //! Reverse mode by differences: a number's derivative is the image's along it, weighed.
 
 use crate::carried_differences::{metal, near_metal};
+use common::comparison::small_floor;
+use common::scenes::*;
 use common::shapes::Random;
 use common::transposition::{both_sides_by, difference, prepared, random_weight};
 use common::{Quiet, direction, pull_back, settings};
+use glam::vec3;
 use warpath::methods::{self, Method, Objective, Question, Settings, decide};
 use warpath::scene::Scene;
 use warpath::scene::parameters::{self, Parameter};
@@ -114,15 +117,53 @@ fn auto_takes_them_for_few_numbers() {
 
 #[test]
 fn too_many_numbers_are_refused() {
-    let scene = common::comparison::foliage();
-    let all: Vec<Parameter> = common::transposition::all_parameters(&scene);
-    let most = all.iter().max_by_key(|p| p.len()).expect("a parameter");
-    println!("{} {}", most.key, most.len());
-    let wanted: Vec<Parameter> = vec![most.clone(); 10_000 / most.len() + 1];
+    let fine = ball(5, vec3(0.0, 0.0, 0.4), 0.4);
+    let scene = small_floor().smooth("thing", fine, [0.8; 3]);
+    let many = find(&scene, &["thing.vertex_positions"]);
     let weight = random_weight(&mut Random::new(5), &scene);
     let settings = settings(&scene, Method::Fd, 1, 3);
     let objective = Objective::Adjoint(&weight);
-    let refused = methods::backward(&scene, &settings, &wanted, &objective, &Quiet);
+    let refused = methods::backward(&scene, &settings, &many, &objective, &Quiet);
     let sentence = refused.expect_err("a refusal").to_string();
     assert!(sentence.contains("one for each of"), "{sentence}");
+}
+
+/// The last row of a matrix stays, and a key that is asked for twice is told twice.
+#[test]
+fn matrices_keep_their_last_row() {
+    let scene = metal();
+    let weight = random_weight(&mut Random::new(5), &scene);
+    let settings = settings(&scene, Method::CarriedFd, 4, 3);
+    let wanted = find(
+        &scene,
+        &["thing.to_world", "thing.to_world", "thing.translation"],
+    );
+    let found = pull_back(&scene, &settings, &wanted, &weight);
+    assert_eq!(found[0], found[1]);
+    assert_eq!(found[0].len(), 16);
+    assert_eq!(found[0][12..], [0.0; 4]);
+    // The last column is a translation.
+    for (row, slope) in found[2].iter().enumerate() {
+        let same = found[0][4 * row + 3];
+        assert!(
+            *slope != 0.0 && (same - slope).abs() <= 2e-3 * slope.abs(),
+            "{same} {slope}"
+        );
+    }
+}
+
+/// By a loss the image and its value are those of the evaluation.
+#[test]
+fn losses_are_evaluated_once() {
+    let scene = metal();
+    let target = random_weight(&mut Random::new(5), &scene);
+    let wanted = find(&scene, &["cam.x_fov"]);
+    let runs = [Method::CarriedFd, Method::Reparam].map(|method| {
+        let settings = settings(&scene, method, 4, 3);
+        let objective = Objective::L2(&target);
+        methods::backward(&scene, &settings, &wanted, &objective, &Quiet).expect("a gradient")
+    });
+    assert_eq!(runs[0].loss, runs[1].loss);
+    assert_eq!(runs[0].image.pixels, runs[1].image.pixels);
+    assert!(runs[0].gradient.by(&scene, &wanted[0])[0] != 0.0);
 }

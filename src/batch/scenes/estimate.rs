@@ -104,7 +104,8 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
             let scratch = settings.threads as u64 * (17 * numbers + waiting);
             // Double sums of every group, then single ones, then those by parameter.
             let swept = 2 * image + numbers * (groups * (24 + 12 + 12) + 24) + scratch;
-            displaced.max(swept)
+            // Of what is differenced and what is not, both may be kept at once.
+            swept + displaced
         }
     };
     let set = match job.set.0.is_empty() {

@@ -27,7 +27,8 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
     }
     if !method.has_reverse_mode() {
         return Err(Failure::Usage(format!(
-            "--method {} does not run backward, which is checked, too; use it with forward",
+            "--method {} takes differences backward, too, which are no transposes of others; \
+             compare its forward gradient with that of fd",
             method.name()
         )));
     }

@@ -241,8 +241,9 @@ impl Problem {
             spp: self.even(self.config.render.spp.at(0, self.config.steps) as u32),
             ..self.settings_of(view, 0)
         };
+        let needed = pose::needed(&self.start, &parameters);
         let decided = prepared
-            .and_then(|p| p.decide(&settings, &Question::Backward(&parameters), progress))
+            .and_then(|p| p.decide(&settings, &Question::Backward(&needed), progress))
             .map_err(failed)?;
         let (settled, pilot) = decided;
         self.settings.method = settled.method;
