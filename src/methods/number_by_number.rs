@@ -95,13 +95,15 @@ pub fn numbers_of(parameter: &Parameter) -> usize {
     }
 }
 
+/// What a parameter stands for, and itself.
+type Moving = (Target, Parameter);
+
 /// What is done by differences, each once, and what along paths.
-#[allow(clippy::type_complexity)]
 fn parted(
     prepared: &Prepared,
     settings: &Settings,
     wanted: &[Parameter],
-) -> Result<(Vec<(Target, Parameter)>, Vec<Parameter>), EngineError> {
+) -> Result<(Vec<Moving>, Vec<Parameter>), EngineError> {
     let scene = prepared.scene;
     let (mut differenced, mut along_paths) = (Vec::new(), Vec::new());
     for parameter in wanted {

@@ -52,13 +52,8 @@ mod tests {
         // Steep and flat parts, sums that are equal, and one that is 1 before the end.
         let list = |power: f64, length: usize| -> Vec<f64> {
             let sum = |i: usize| ((i + 1) as f64 / length as f64).powf(power);
-            let at = |i: usize| {
-                if i % 3 == 0 {
-                    sum(i / 2)
-                } else {
-                    sum(i / 2 + 1)
-                }
-            };
+            // Some are equal, and some fall, until they are sorted.
+            let at = |i: usize| sum(i / 2 + i % 2);
             let mut sums: Vec<f64> = (0..length).map(at).collect();
             sums.sort_by(f64::total_cmp);
             let last = sums[length - 1];
