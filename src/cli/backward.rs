@@ -1,4 +1,4 @@
-//! `warpath backward`: the gradients of a loss for many parameters in one pass.
+//! `warpath backward`: the gradients of a loss for many parameters.
 
 use super::arguments::{BackwardArguments, Loss};
 use super::exit::Failure;

@@ -77,6 +77,10 @@ impl Pilot {
             (None, Some(tried)) if self.trials[0].way != *chosen => {
                 let usual = &self.trials[0].way;
                 match tried.efficiency {
+                    Some(by) if by < 1.0 => format!(
+                        "auto: {chosen}, {by:.1} times as efficient in a pilot as {usual}, \
+                         of whose noise pilots miss more"
+                    ),
                     Some(by) => {
                         format!("auto: {chosen}, {by:.1} times as efficient in a pilot as {usual}")
                     }
