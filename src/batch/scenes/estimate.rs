@@ -82,19 +82,18 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
     let written = pixels * 12 * 3;
     let tiles = settings.threads as u64 * (TILE_BYTES + WAITING_TILES * (2 << 16));
     let method = settings.method;
-    let displaced = match method.displaces_scenes() || method.asks_a_pilot() {
-        true => pixels * (24 + 12) * (groups + 1) + of_scene(scene),
-        false => 0,
-    };
+    // By a pilot it may be either.
+    let displaces = method.displaces_scenes() || method.asks_a_pilot();
     let own = match job.mode {
         Mode::Render => image,
         Mode::Forward => {
             // The directions of all vertices, and their motion.
             let swept = 2 * image + 3 * 12 * vertices;
-            match method.displaces_scenes() {
-                true => displaced,
-                // By a pilot it may be either.
-                false => displaced.max(swept),
+            let of_images = pixels * (24 + 12) * (groups + 1) + of_scene(scene);
+            match (displaces, method.asks_a_pilot()) {
+                (true, false) => of_images,
+                (true, true) => of_images.max(swept),
+                (false, _) => swept,
             }
         }
         Mode::Backward => {
@@ -104,8 +103,12 @@ pub fn of_job(scene: &Scene, settings: &Settings, job: &Job, kept: u64) -> u64 {
             let scratch = settings.threads as u64 * (17 * numbers + waiting);
             // Double sums of every group, then single ones, then those by parameter.
             let swept = 2 * image + numbers * (groups * (24 + 12 + 12) + 24) + scratch;
-            // Of what is differenced and what is not, both may be kept at once.
-            swept + displaced
+            // The images of one displaced scene, beside the groups' gradients by all else.
+            let of_images = pixels * 12 * (groups + 1) + of_scene(scene) + numbers * groups * 12;
+            match displaces {
+                true => swept.max(of_images),
+                false => swept,
+            }
         }
     };
     let set = match job.set.0.is_empty() {
