@@ -36,7 +36,7 @@ const NEARER: i32 = 8;
 /// What rests holds samples back that lies nearer than this part of the way to what moves.
 const IN_FRONT: f64 = 0.9;
 
-/// Pixels that a sample is carried at most, by the longest step: nodes are two pixels apart, and the
+/// Pixels that a sample is carried at most, by the step: nodes are two pixels apart, and the
 /// film must not be folded.
 pub const MOST_PIXELS: f64 = 0.3;
 
