@@ -15,6 +15,7 @@ use super::difference_step::step;
 use super::edited::{Base, EditedScene};
 use super::error::EngineError;
 use super::followers::Followers;
+use super::parts::Parts;
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::render::group_images;
@@ -61,7 +62,22 @@ pub fn forward(
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let steps = Steps::usual(prepared, settings, direction)?;
-    by_steps(prepared, settings, direction, &steps, progress)
+    let displaced = Displaced::new(prepared, settings);
+    by_steps(&displaced, direction, &steps, progress)
+}
+
+/// The same, and keeps the structures of the displaced scenes for who comes next.
+pub fn forward_of_pilot(
+    prepared: &Prepared,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    progress: &dyn Progress,
+) -> Result<ForwardGradient, EngineError> {
+    let steps = Steps::usual(prepared, settings, direction)?;
+    let displaced = Displaced::new(prepared, settings);
+    let done = by_steps(&displaced, direction, &steps, progress);
+    prepared.parts.keep_followers(displaced.followers);
+    done
 }
 
 /// The same by a step of one's own, with samples at rest.
@@ -73,12 +89,12 @@ pub fn forward_by_step(
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
     let steps = Steps::at_rest(step);
-    by_steps(prepared, settings, direction, &steps, progress)
+    let displaced = Displaced::new(prepared, settings);
+    by_steps(&displaced, direction, &steps, progress)
 }
 
 fn by_steps(
-    prepared: &Prepared,
-    settings: &Settings,
+    displaced: &Displaced,
     direction: &[(Parameter, Vec<f32>)],
     steps: &Steps,
     progress: &dyn Progress,
@@ -89,7 +105,6 @@ fn by_steps(
         steps.in_words()
     ));
     let mut sums = Sums::default();
-    let displaced = Displaced::new(prepared, settings);
     displaced.render(direction, steps, progress, &mut statistics, |it| {
         sums.add(&it.groups, it.size, it.weight);
     })?;
@@ -153,6 +168,7 @@ pub struct DisplacedImages {
 /// Renders displaced scenes.
 pub struct Displaced<'a> {
     prepared: &'a Prepared<'a>,
+    parts: Parts,
     settings: Settings,
     followers: Followers,
 }
@@ -161,11 +177,12 @@ impl<'a> Displaced<'a> {
     pub fn new(prepared: &'a Prepared<'a>, settings: &Settings) -> Self {
         Self {
             prepared,
+            parts: prepared.parts.unlinked(),
             settings: Settings {
                 rr_depth: u32::MAX,
                 ..settings.clone()
             },
-            followers: Followers::new(settings.backend),
+            followers: prepared.parts.take_followers(settings.backend),
         }
     }
 
@@ -182,7 +199,7 @@ impl<'a> Displaced<'a> {
         let step = steps.step;
         let base = Base {
             scene: prepared.scene,
-            parts: &prepared.parts,
+            parts: &self.parts,
             followers: &self.followers,
         };
         for (part, (offset, weight)) in steps.scheme.iter().enumerate() {

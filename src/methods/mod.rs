@@ -16,6 +16,7 @@ mod followers;
 mod forward;
 mod group_images;
 mod groups;
+mod looks;
 mod moving_samples;
 mod number_by_number;
 mod objective;
@@ -34,6 +35,7 @@ mod stage;
 mod statistics;
 mod tails;
 mod trials;
+mod tried;
 mod workers;
 
 pub use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};

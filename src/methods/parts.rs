@@ -3,6 +3,7 @@
 use super::decisions::Decisions;
 use super::edits::Edits;
 use super::error::EngineError;
+use super::followers::Followers;
 use super::placed::Placed;
 use super::reach::check_meshes;
 use super::workers::Workers;
@@ -15,7 +16,7 @@ use crate::scene::Scene;
 use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, Backend};
 use glam::Vec3;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What is computed from a scene before anything is traced. Clones share it.
 #[derive(Clone)]
@@ -29,6 +30,8 @@ pub struct Parts {
     pub(super) adjacency: Arc<OnceLock<Adjacency>>,
     /// What pilots have come to.
     pub(super) decisions: Arc<Decisions>,
+    /// What a pilot has made for displaced scenes, until it is taken.
+    followers: Arc<Mutex<Option<Followers>>>,
 }
 
 impl Parts {
@@ -52,6 +55,7 @@ impl Parts {
             map_distribution: map_distribution(scene, workers, cancelled)?,
             adjacency: Arc::default(),
             decisions: Arc::default(),
+            followers: Arc::default(),
             geometry: Arc::new(geometry),
             accel: Arc::new(accel),
         })
@@ -96,6 +100,7 @@ impl Parts {
             },
             adjacency,
             decisions: Arc::default(),
+            followers: Arc::default(),
             geometry,
             accel,
         })
@@ -105,6 +110,31 @@ impl Parts {
     pub fn link(&self, workers: &Workers) {
         let make = || workers.pool.install(|| Adjacency::new(&self.geometry));
         self.adjacency.get_or_init(make);
+    }
+
+    /// The same without links between triangles, which displaced scenes would have to make anew.
+    pub fn unlinked(&self) -> Self {
+        Self {
+            adjacency: Arc::default(),
+            ..self.clone()
+        }
+    }
+
+    /// Structures for displaced scenes: those that were kept, or none yet.
+    pub fn take_followers(&self, backend: Backend) -> Followers {
+        let kept = self.kept_followers().take();
+        kept.unwrap_or_else(|| Followers::new(backend))
+    }
+
+    /// Keeps them for who takes them next.
+    pub fn keep_followers(&self, followers: Followers) {
+        *self.kept_followers() = Some(followers);
+    }
+
+    fn kept_followers(&self) -> std::sync::MutexGuard<'_, Option<Followers>> {
+        self.followers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The point of the world that is traced as (0, 0, 0).

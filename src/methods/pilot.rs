@@ -10,28 +10,19 @@ use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
 use super::error::EngineError;
+use super::looks::Job;
 use super::number_by_number::numbers_of;
 use super::prepared::Prepared;
 use super::progress::Progress;
-use super::settings::{Groups, Settings};
-use super::stage::Stage;
-use super::statistics::{Pilot, Statistics};
-use super::trials::{Job, Trials};
+use super::settings::Settings;
+use super::statistics::Pilot;
+use super::trials::Trials;
 use crate::boundary::mixture::Mixture;
 use crate::scene::parameters::{self, Parameter};
 use std::time::Instant;
 
 /// Parameters and their tangents.
 type Direction = Vec<(Parameter, Vec<f32>)>;
-
-/// The pilot's own random numbers.
-const SEED: u64 = 0x7069_6c6f_7400_0001;
-const GROUPS: u32 = 4;
-/// Samples a pixel of a group, as far as the job's groups have as many.
-const SAMPLES: [u32; 2] = [2, 16];
-/// Paths of one trial, at least, and the share that they have in the whole job's at least.
-const LEAST_PATHS: f64 = 16384.0;
-const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 /// In reverse differences are tried for at most so many numbers, each of which takes one. Before
 /// smooth metal and glass paths may have 10⁴ times their variance, but rarely elsewhere.
@@ -57,6 +48,18 @@ impl Prepared<'_> {
         question: &Question,
         progress: &dyn Progress,
     ) -> Result<(Settings, Pilot), EngineError> {
+        self.decide_for(1, settings, question, progress)
+    }
+
+    /// The same where the question will be asked `times`, of scenes like this: what more often pays
+    /// may take longer.
+    pub fn decide_for(
+        &self,
+        times: u64,
+        settings: &Settings,
+        question: &Question,
+        progress: &dyn Progress,
+    ) -> Result<(Settings, Pilot), EngineError> {
         let start = Instant::now();
         let Some(direction) = moving_direction(self, settings, question)? else {
             let mut pilot = Pilot::without_trials("nothing that moves has edges".into());
@@ -69,7 +72,8 @@ impl Prepared<'_> {
         let asked = Asked::new(settings, differences, named.collect());
         let mut seconds = 0.0;
         let (way, mut pilot) = self.parts.decisions.once(asked, || {
-            let (way, mut pilot) = self.try_ways(settings, differences, &direction, progress)?;
+            let (way, mut pilot) =
+                self.try_ways(times, settings, differences, &direction, progress)?;
             pilot.chosen = way.name();
             seconds = start.elapsed().as_secs_f64();
             Ok::<_, EngineError>((way, pilot))
@@ -80,29 +84,31 @@ impl Prepared<'_> {
 
     fn try_ways(
         &self,
+        times: u64,
         settings: &Settings,
         differences: Option<usize>,
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
     ) -> Result<(Contender, Pilot), EngineError> {
         let sensor = &self.scene.sensors[settings.sensor];
-        let (own, share) = of_pilot(self, &settings.through_lens(sensor, true))?;
-        let job = Job {
-            spp: settings.spp,
-            share,
-        };
-        let mut trials = Trials::new(self, own, (direction, job), progress);
-        match trials.run(Contender::Mixture(Mixture::default())) {
+        let settings = settings.through_lens(sensor, true);
+        let job = Job::new(self, &settings, times, differences)?;
+        let mut trials = Trials::new(self, settings.clone(), (direction, job), progress);
+        match trials.run_usual() {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {
                 return Ok((Contender::Differences, Pilot::without_trials(sentence)));
             }
             tried => tried?,
         }
         match differences {
-            Some(count) => trials.run_all(count)?,
+            Some(_) => trials.run_all()?,
             None => trials.run_mixtures()?,
         }
-        Ok((trials.best(), trials.into_pilot()))
+        let (best, pilot) = trials.finish();
+        if !best.is_difference() {
+            drop(self.parts.take_followers(settings.backend));
+        }
+        Ok((best, pilot))
     }
 }
 
@@ -152,32 +158,4 @@ fn differences_asked(
         }
         Question::ForwardAndBackward(_) => None,
     }
-}
-
-/// Fewer samples on the whole film, or on tiles of it where even the least would be too many. What has
-/// most of the noise, as a lamp that is seen, may lie in one place.
-///
-/// And the share of these samples in the job's.
-fn of_pilot(prepared: &Prepared, settings: &Settings) -> Result<(Settings, f64), EngineError> {
-    let [least, most] = SAMPLES.map(|n| n.min(settings.spp / settings.groups().count).max(1));
-    let mut own = Settings {
-        seed: SEED,
-        spp: most * GROUPS,
-        standard_error: true,
-        groups: Some(Groups {
-            count: GROUPS,
-            only: None,
-        }),
-        part_of_film: None,
-        ..settings.clone()
-    };
-    let stage = Stage::new(prepared, &own, None, &mut Statistics::default())?;
-    let pixels = stage.size.iter().product::<usize>() as f64;
-    let paths = LEAST_PATHS.max(LEAST_SHARE * pixels * f64::from(settings.spp));
-    let samples = ((paths / pixels) as u32 / GROUPS).clamp(least, most);
-    own.spp = samples * GROUPS;
-    let part = (paths / (pixels * f64::from(own.spp))).min(1.0);
-    own.part_of_film = (part < 1.0).then_some(part);
-    let of_job = part * f64::from(own.spp) / f64::from(settings.spp);
-    Ok((own, of_job))
 }

@@ -263,6 +263,11 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Their share in all.
+    pub fn part_of_tiles(&self) -> f64 {
+        self.own_tiles().len() as f64 / self.lattice.tile_count() as f64
+    }
+
     /// The groups that are done here.
     pub fn own_groups(&self) -> std::ops::Range<u32> {
         match self.only {

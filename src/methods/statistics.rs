@@ -50,9 +50,11 @@ pub struct Pilot {
 pub struct Trial {
     /// In words.
     pub way: String,
-    /// Of the pilot's gradient image, summed over its numbers.
+    /// Paths that it was looked at with, about.
+    pub paths: f64,
+    /// Of the job's gradient image, summed over its numbers, as far as those paths tell.
     pub variance: f64,
-    /// About its time, in microseconds of one processor, by its rays.
+    /// About the job's time, in microseconds of one processor, by its rays.
     pub work: f64,
     /// One over variance and work, by that of the usual way, if both have noise.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,8 +98,9 @@ impl Pilot {
         let line = |trial: &Trial| {
             let efficiency = trial.efficiency.map(|by| format!(", efficiency {by:.3}"));
             format!(
-                "auto tried {}: variance {:.3e}, work {:.3e}{}",
+                "auto tried {}: {:.0} paths, variance {:.3e}, work {:.3e}{}",
                 trial.way,
+                trial.paths,
                 trial.variance,
                 trial.work,
                 efficiency.unwrap_or_default()

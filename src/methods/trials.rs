@@ -5,22 +5,25 @@ use super::contender::Contender;
 use super::differences::{self, carried_step};
 use super::error::EngineError;
 use super::estimators::{Constants, Method};
+use super::looks::{Job, Look};
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::stage::Stage;
-use super::statistics::{Pilot, Statistics, Trial};
+use super::statistics::{Pilot, Statistics};
+use super::tried::{AllTried, Tried};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 use crate::scene::SceneDifferential;
 use crate::scene::parameters::{self, Parameter};
 use std::collections::BTreeMap;
 
-/// What promises less than this over what is usual is not worth the risk of being misled.
-const WORTHWHILE: f64 = 1.2;
-/// Differences may promise less than the best of all else. Few paths hold much of the variance of
-/// that, and most pilots do not meet them: on the battery they see 0.71 of it in the median.
-const WORTHWHILE_DIFFERENCES: f64 = 0.7;
+/// What is tried first.
+const USUAL: Contender = Contender::Mixture(Mixture {
+    film: OnFilm::Drifting,
+    lobes: OverLobes::Cells,
+});
+
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
 /// To make the two displaced scenes of a difference, in microseconds for each vertex that moves: of
@@ -34,39 +37,14 @@ const FEW: f64 = 0.25;
 /// Parameters and their tangents.
 type Direction<'a> = &'a [(Parameter, Vec<f32>)];
 
-/// What trials are for.
-#[derive(Clone, Copy)]
-pub struct Job {
-    /// Samples a pixel.
-    pub spp: u32,
-    /// The paths of a trial over its own.
-    pub share: f64,
-}
-
-/// Trials of one length.
+/// Trials for one job.
 pub struct Trials<'a> {
     prepared: &'a Prepared<'a>,
     settings: Settings,
     direction: Direction<'a>,
     job: Job,
-    /// Differences that would answer, one for each number.
-    differences: usize,
     progress: &'a dyn Progress,
-    done: Vec<Tried>,
-}
-
-/// A way that has been tried.
-struct Tried {
-    way: Contender,
-    variance: f64,
-    work: f64,
-    rays: BTreeMap<&'static str, u64>,
-}
-
-impl Tried {
-    fn cost(&self) -> f64 {
-        self.variance * self.work
-    }
+    done: AllTried,
 }
 
 impl<'a> Trials<'a> {
@@ -81,16 +59,17 @@ impl<'a> Trials<'a> {
             settings,
             direction,
             job,
-            differences: 1,
             progress,
-            done: Vec::new(),
+            done: AllTried::new(job.whole_look()),
         }
     }
 
-    pub fn run(&mut self, way: Contender) -> Result<(), EngineError> {
+    /// Looks at a way with so many paths; a longer look replaces one before.
+    fn run(&mut self, way: Contender, paths: f64) -> Result<(), EngineError> {
         let quiet = Quietly(self.progress);
         let (prepared, direction) = (self.prepared, self.direction);
-        let mut settings = self.settings.clone();
+        let look = Look::new(prepared, &self.settings, self.job, paths)?;
+        let mut settings = look.settings;
         let found = match way {
             Contender::Mixture(mixture) => {
                 settings.constants = Constants {
@@ -101,26 +80,28 @@ impl<'a> Trials<'a> {
                 prepared.forward_by(&settings, direction, boundary, &quiet)?
             }
             Contender::Differences => {
-                differences::forward(prepared, &way.settle(&settings), direction, &quiet)?
+                differences::forward_of_pilot(prepared, &way.settle(&settings), direction, &quiet)?
             }
         };
         let environment = prepared.scene.environment.as_ref();
         let has_map = environment.is_some_and(|e| e.map.is_some());
-        let mut variance = variance(&found);
-        let mut work = work(way, &found.statistics.rays, has_map);
+        let samples = f64::from(settings.spp) / f64::from(self.job.spp);
+        let mut variance = variance(&found) * samples / look.film;
+        let mut work = work(way, &found.statistics.rays, has_map) / look.share;
         if way.is_difference() {
             if carried::is_possible(prepared.scene, &settings, &self.tangent()?) {
                 // Of what jumps it goes with one over the step.
                 variance *= carried_step(settings.spp) / carried_step(self.job.spp);
             }
-            work += self.job.share * DISPLACED_VERTEX_US * self.moved_vertices()?;
-            work *= self.differences as f64;
+            work += DISPLACED_VERTEX_US * self.moved_vertices()?;
+            work *= self.job.differences as f64;
         }
-        self.done.push(Tried {
+        self.done.add(Tried {
             way,
+            paths,
             variance,
             work,
-            rays: found.statistics.rays,
+            looks_over_lobes: found.statistics.rays.contains_key("bounce_cell"),
         });
         Ok(())
     }
@@ -144,82 +125,69 @@ impl<'a> Trials<'a> {
         Ok(self.moved_vertices()? < FEW * all as f64)
     }
 
-    /// Tries other mixtures than the usual.
+    /// Tries what is usual.
+    pub fn run_usual(&mut self) -> Result<(), EngineError> {
+        self.run(USUAL, self.job.first_look())
+    }
+
+    /// Tries other mixtures than the usual, if the job is worth it.
     pub fn run_mixtures(&mut self) -> Result<(), EngineError> {
+        let Some(paths) = self.job.later_look() else {
+            return Ok(());
+        };
+        if self.done.usual().paths < paths {
+            self.run(USUAL, paths)?;
+        }
         let Possible {
             drifts,
             edges,
             edges_from_rest,
-        } = possible(self.prepared, &self.settings, self.direction)?;
+        } = self.possible(paths)?;
         let usual = Mixture::default();
-        let looks_over_lobes = self.done[0].rays.contains_key("bounce_cell");
+        let looks_over_lobes = self.done.usual().looks_over_lobes;
         let on_film = [
             (OnFilm::Resting, drifts),
             (OnFilm::Edges, edges || edges_from_rest),
         ];
         for (film, is_possible) in on_film {
             if is_possible {
-                self.run(Contender::Mixture(Mixture { film, ..usual }))?;
+                self.run(Contender::Mixture(Mixture { film, ..usual }), paths)?;
             }
         }
-        let film = match self.best_mixture().way {
+        let film = match self.done.best_mixture().way {
             Contender::Mixture(best) => best.film,
             Contender::Differences => usual.film,
         };
         if looks_over_lobes && edges_from_rest && self.few_move()? {
             let lobes = OverLobes::EdgesFromRest;
-            self.run(Contender::Mixture(Mixture { film, lobes }))?;
+            self.run(Contender::Mixture(Mixture { film, lobes }), paths)?;
         }
         Ok(())
     }
 
-    /// Tries all that may be best; the usual has been. `differences`: how many of these it would take.
-    pub fn run_all(&mut self, differences: usize) -> Result<(), EngineError> {
-        self.differences = differences;
-        self.run(Contender::Differences)?;
-        match self.done[0].cost() < CLEARLY * self.done[1].cost() {
-            true => self.run_mixtures(),
-            false => Ok(()),
+    /// Tries all that may be best; the usual has been. Differences are cheap, and what they see is
+    /// rarer: no step of theirs may carry an edge past any of few samples.
+    pub fn run_all(&mut self) -> Result<(), EngineError> {
+        let later = self.job.later_look();
+        let paths = later.unwrap_or(self.job.first_look());
+        self.run(Contender::Differences, paths)?;
+        let is_whole = self.done.usual().paths == self.job.whole_look();
+        let bound = if is_whole { CLEARLY } else { 1.0 };
+        if later.is_none() || self.done.differences_promise(bound) {
+            return Ok(());
         }
+        if !is_whole {
+            self.run(USUAL, paths)?;
+            if self.done.best().is_difference() {
+                return Ok(());
+            }
+        }
+        self.run_mixtures()
     }
 
-    /// What has the least noise for its work.
-    pub fn best(&self) -> Contender {
-        let ours = self.best_mixture();
-        match self.least(true) {
-            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < ours.cost() => it.way,
-            _ => ours.way,
-        }
-    }
-
-    /// The same without differences; the usual if that is nearly as good.
-    fn best_mixture(&self) -> &Tried {
-        let usual = &self.done[0];
-        match self.least(false) {
-            Some(best) if best.cost() * WORTHWHILE < usual.cost() => best,
-            _ => usual,
-        }
-    }
-
-    /// The least of what has been tried, among differences or all else.
-    fn least(&self, is_difference: bool) -> Option<&Tried> {
-        let done = self.done.iter();
-        let of_kind = done.filter(|t| t.way.is_difference() == is_difference);
-        of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
-    }
-
-    pub fn into_pilot(self) -> Pilot {
-        let usual = self.done[0].cost();
-        let trials = self.done.iter().map(|tried| Trial {
-            way: tried.way.name(),
-            variance: tried.variance,
-            work: tried.work,
-            efficiency: Some(usual / tried.cost()).filter(|by| by.is_finite()),
-        });
-        Pilot {
-            trials: trials.collect(),
-            ..Pilot::default()
-        }
+    /// What has the least noise for its work, and how that was found.
+    pub fn finish(self) -> (Contender, Pilot) {
+        (self.done.best(), self.done.pilot())
     }
 }
 
@@ -233,26 +201,34 @@ struct Possible {
     edges_from_rest: bool,
 }
 
-fn possible(
-    prepared: &Prepared,
-    settings: &Settings,
-    direction: &[(Parameter, Vec<f32>)],
-) -> Result<Possible, EngineError> {
-    let tangent = parameters::tangent(prepared.scene, direction, settings.sensor)?;
-    let boundary = Method::Auto.boundary();
-    let mut stage = Stage::new(prepared, settings, boundary, &mut Statistics::default())?;
-    stage.ask_about(&tangent);
-    let sensor = &prepared.scene.sensors[settings.sensor];
-    let is_allowed =
-        super::refusals::check(prepared.scene, &tangent, sensor, Method::Edges).is_ok();
-    let view = stage.view();
-    Ok(Possible {
-        drifts: stage.drift(&view, &*stage.estimator()).is_some(),
-        edges: is_allowed && stage.check_geometry(Method::Edges).is_ok(),
-        edges_from_rest: is_allowed
-            && stage.camera_rests()
-            && stage.check_geometry_from_rest(Method::Edges).is_ok(),
-    })
+impl Trials<'_> {
+    /// What a look of so many paths can tell of.
+    fn possible(&self, paths: f64) -> Result<Possible, EngineError> {
+        let (prepared, settings) = (self.prepared, &self.settings);
+        let tangent = self.tangent()?;
+        let boundary = Method::Auto.boundary();
+        let mut stage = Stage::new(prepared, settings, boundary, &mut Statistics::default())?;
+        stage.ask_about(&tangent);
+        let sensor = &prepared.scene.sensors[settings.sensor];
+        let few_edges = (self.moved_triangles(&tangent) as f64) < paths;
+        let is_allowed = few_edges
+            && super::refusals::check(prepared.scene, &tangent, sensor, Method::Edges).is_ok();
+        let view = stage.view();
+        Ok(Possible {
+            drifts: stage.drift(&view, &*stage.estimator()).is_some(),
+            edges: is_allowed && stage.check_geometry(Method::Edges).is_ok(),
+            edges_from_rest: is_allowed
+                && stage.camera_rests()
+                && stage.check_geometry_from_rest(Method::Edges).is_ok(),
+        })
+    }
+
+    /// Triangles whose edges move over the film.
+    fn moved_triangles(&self, tangent: &SceneDifferential) -> usize {
+        let meshes = self.prepared.scene.meshes.iter().zip(&tangent.positions);
+        let moved = meshes.filter(|(_, motion)| tangent.camera.is_some() || motion.is_some());
+        moved.map(|(mesh, _)| mesh.triangles.len()).sum()
+    }
 }
 
 /// Of all numbers of a gradient image, from its standard errors.

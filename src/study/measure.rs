@@ -10,7 +10,7 @@ use super::verdict::Verdict;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
 use crate::jobs::seeds::nth_seed;
-use crate::methods::{self, EngineError, Image, Method, Progress, Question, Settings};
+use crate::methods::{self, EngineError, Image, Method, Prepared, Progress, Question, Settings};
 use std::time::Instant;
 
 /// What a method other than finite differences takes, in camera paths of an image, about.
@@ -96,7 +96,10 @@ impl Trial {
             return Ok(true);
         }
         let question = Question::Forward(&task.direction);
-        match methods::decide(task.scene, &settings, &question, progress) {
+        let times = task.plan.effort.repeats as u64;
+        let decided = Prepared::new(task.scene, &settings, &|| progress.cancelled())
+            .and_then(|prepared| prepared.decide_for(times, &settings, &question, progress));
+        match decided {
             Ok((settled, pilot)) => {
                 self.contestant.method = settled.method;
                 self.contestant.constants = settled.constants;

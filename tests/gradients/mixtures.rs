@@ -1,5 +1,6 @@
 //! `auto`: what its pilot may come to is right, and it comes to the same every time.
 
+use crate::carried_differences::near_metal;
 use common::comparison::*;
 use common::materials::*;
 use common::scenes::*;
@@ -19,6 +20,9 @@ use warpath::statistics::agreement::Agreement;
 /// Independent runs of each.
 const RUNS: u64 = 16;
 const SIGMAS: f64 = 4.0;
+
+/// So often that the smallest job is worth a pilot that sees enough.
+const OFTEN: u64 = 100_000;
 
 const MOVED: [f32; 3] = [1.0, 0.2, 0.4];
 
@@ -135,7 +139,8 @@ fn edges_from_rest_are_right_among_things_that_intersect() {
     assert!(edges.is_err());
     let question = Question::Forward(&along);
     let asked = settings(&scene, Method::Auto, 16, 1);
-    let (_, pilot) = decide(&scene, &asked, &question, &Quiet).expect("a decision");
+    let decided = prepared(&scene).decide_for(OFTEN, &asked, &question, &Quiet);
+    let (_, pilot) = decided.expect("a decision");
     let ways: Vec<&str> = pilot.trials.iter().map(|t| t.way.as_str()).collect();
     let tried = |what: &str| ways.iter().any(|way| way.ends_with(what));
     assert!(tried("edges over lobes of points at rest"), "{ways:?}");
@@ -217,7 +222,7 @@ fn it_does_what_it_says() {
     // A card that covers most of the film: few edges, and long ones.
     let scene = load("scenes/failures/film_border.xml", &[]).expect("a scene");
     let along = direction(&scene, &[("obj.translation", &[1.0, 0.0, 0.3])]);
-    let own = settings(&scene, Method::Auto, 64, 3);
+    let own = settings(&scene, Method::Auto, 1024, 3);
     let done = forward(&scene, &own, &along, &Quiet).expect("a gradient");
     let pilot = done.statistics.pilot.as_ref().expect("a pilot");
     let best = pilot
@@ -267,8 +272,9 @@ fn the_pilot_sees_all_of_a_small_film() {
     let sees_lamp = lit(floor_seen(48, GAUSSIAN)).light("bright", bright, [400.0; 3]);
     let along = direction(&sees_lamp, &[("cam.translation", &MOVED)]);
     let own = settings(&sees_lamp, Method::Auto, 64, 3);
-    let (_, pilot) =
-        decide(&sees_lamp, &own, &Question::Forward(&along), &Quiet).expect("a decision");
+    let question = Question::Forward(&along);
+    let decided = prepared(&sees_lamp).decide_for(OFTEN, &own, &question, &Quiet);
+    let (_, pilot) = decided.expect("a decision");
     let carried = Method::CarriedFd;
     let mut trials = pilot.trials.iter();
     let trial = trials.find(|trial| trial.way == carried.title());
@@ -303,4 +309,38 @@ fn it_says_why_nothing_is_tried() {
     assert_eq!(settled.method, Method::CarriedFd);
     let refused = decide(&scene, &own, &Question::ForwardAndBackward(&keys), &Quiet);
     assert!(refused.is_err(), "{refused:?}");
+}
+
+/// A small job is worth a short pilot, and one that is done often a long one.
+#[test]
+fn pilots_are_as_long_as_their_jobs_are_worth() {
+    let scene = near_metal();
+    let along = direction(&scene, &[("cam.translation", &MOVED)]);
+    let paths = |times: u64| {
+        let own = settings(&scene, Method::Auto, 16, 3);
+        let question = Question::Forward(&along);
+        let decided = prepared(&scene).decide_for(times, &own, &question, &Quiet);
+        let trials = decided.expect("a decision").1.trials;
+        trials.iter().map(|t| t.paths).collect::<Vec<_>>()
+    };
+    assert_eq!(paths(1), [1024.0; 2]);
+    assert!(paths(OFTEN).iter().all(|n| *n == 16384.0));
+}
+
+/// With more samples differences have shorter steps, and more noise, than a pilot's.
+#[test]
+fn pilots_count_with_shorter_steps() {
+    let scene = near_metal();
+    let along = direction(&scene, &[("cam.translation", &MOVED)]);
+    // The same look for both: whole, and with as many samples.
+    let of_a_sample = |spp: u32| {
+        let own = settings(&scene, Method::Auto, spp, 3);
+        let question = Question::Forward(&along);
+        let decided = prepared(&scene).decide_for(OFTEN, &own, &question, &Quiet);
+        let trials = decided.expect("a decision").1.trials;
+        let carried = trials.iter().find(|t| t.way == Method::CarriedFd.title());
+        carried.expect("a trial").variance * f64::from(spp)
+    };
+    let ratio = of_a_sample(2048) / of_a_sample(256);
+    assert!((ratio - 8f64.powf(0.2)).abs() < 1e-6, "{ratio}");
 }

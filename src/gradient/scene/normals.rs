@@ -1,14 +1,18 @@
 //! How smooth shading normals turn when vertices move.
 //!
 //! A computed normal is n_i = normalize(Σ α·m) over the corners at vertex i, with m the unit normal
-//! of the corner's triangle and α its angle there (Thürmer & Wüthrich 1998). Each corner is a small
-//! function of nine numbers; its Jacobian comes from dual numbers, in f64, once a mesh: nothing
-//! here is worth a kernel.
+//! of the corner's triangle and α its angle there (Thürmer & Wüthrich 1998).
+//!
+//! Let u and v be a triangle's sides from the corner, N = u×v and m = N/|N|. Then
+//!
+//! - m changes by (I − m·mᵀ)·Ṅ/|N| with Ṅ = u̇×v + u×v̇, and
+//! - α by v̇·(m×v)/|v|² − u̇·(m×u)/|u|²: m×u points from u towards v, and m×v away from u.
+//!
+//! All of it is in f64, once a mesh.
 
-use crate::lanes::{Dual, V3};
 use crate::scene::{Mesh, Normals, Scene, SceneDifferential};
 use crate::trace::geometry::Geometry;
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Per mesh, the change of each vertex normal; `None` for flat meshes and meshes at rest.
 pub fn tangent(scene: &Scene, tangent: &SceneDifferential) -> Vec<Option<Vec<Vec3>>> {
@@ -49,77 +53,99 @@ pub fn adjoint(
     given
 }
 
-/// The corners of a mesh: vertices in order from the corner, and the derivative of α·m by each of
-/// them.
-fn corners(mesh: &Mesh) -> impl Iterator<Item = ([usize; 3], DVec3, [DMat3; 3])> + '_ {
-    mesh.triangles.iter().flat_map(move |t| {
-        (0..3).map(move |c| {
-            let ids = [t[c], t[(c + 1) % 3], t[(c + 2) % 3]].map(|v| v as usize);
-            let points = ids.map(|v| mesh.positions[v].as_dvec3());
-            let (value, jacobian) = corner_jacobian(points);
-            (ids, value, jacobian)
+/// A triangle's corner.
+struct Corner {
+    /// Vertices in order from the corner.
+    ids: [usize; 3],
+    /// Sides to the other two.
+    u: DVec3,
+    v: DVec3,
+    /// |u×v|, and the unit vector along u×v.
+    area: f64,
+    m: DVec3,
+    angle_rad: f64,
+}
+
+/// The corners of a mesh, but for those of triangles without an area.
+fn corners(mesh: &Mesh) -> impl Iterator<Item = Corner> + '_ {
+    let of_triangle = move |t: &[u32; 3]| {
+        let t = t.map(|v| v as usize);
+        (0..3).filter_map(move |c| {
+            let ids = [t[c], t[(c + 1) % 3], t[(c + 2) % 3]];
+            Corner::new(ids, ids.map(|v| mesh.positions[v].as_dvec3()))
         })
-    })
-}
-
-fn corner_jacobian(points: [DVec3; 3]) -> (DVec3, [DMat3; 3]) {
-    let mut value = DVec3::ZERO;
-    let jacobian = std::array::from_fn(|moved| {
-        let columns: [DVec3; 3] = std::array::from_fn(|axis| {
-            let duals: [V3<Dual<f64>>; 3] = std::array::from_fn(|i| {
-                let p = points[i].to_array();
-                let [x, y, z] = std::array::from_fn(|k| Dual {
-                    value: p[k],
-                    tangent: if i == moved && k == axis { 1.0 } else { 0.0 },
-                });
-                V3 { x, y, z }
-            });
-            let n = corner_normal(duals);
-            value = DVec3::new(n.x.value, n.y.value, n.z.value);
-            DVec3::new(n.x.tangent, n.y.tangent, n.z.tangent)
-        });
-        DMat3::from_cols(columns[0], columns[1], columns[2])
-    });
-    (value, jacobian)
-}
-
-/// α·m at the first of three vertices.
-fn corner_normal([p, a, b]: [V3<Dual<f64>>; 3]) -> V3<Dual<f64>> {
-    let (u, v) = ((a - p).normalize(), (b - p).normalize());
-    let cross = u.cross(v);
-    let (sin, cos) = (cross.length(), u.dot(v));
-    // d atan2(s, c) = c·ds − s·dc for unit (c, s).
-    let angle = Dual {
-        value: sin.value.atan2(cos.value),
-        tangent: cos.value * sin.tangent - sin.value * cos.tangent,
     };
-    cross * (angle / sin)
+    mesh.triangles.iter().flat_map(of_triangle)
+}
+
+impl Corner {
+    fn new(ids: [usize; 3], [p, a, b]: [DVec3; 3]) -> Option<Self> {
+        let (u, v) = (a - p, b - p);
+        let cross = u.cross(v);
+        let area = cross.length();
+        let m = cross / area;
+        m.is_finite().then(|| Self {
+            ids,
+            u,
+            v,
+            area,
+            m,
+            angle_rad: area.atan2(u.dot(v)),
+        })
+    }
+
+    /// α·m.
+    fn value(&self) -> DVec3 {
+        self.angle_rad * self.m
+    }
+
+    /// How the angle changes with the ends of u and v.
+    fn angle_slopes(&self) -> [DVec3; 2] {
+        let across = |side: DVec3| self.m.cross(side) / side.length_squared();
+        [-across(self.u), across(self.v)]
+    }
+
+    /// How α·m changes with the vertices.
+    fn change(&self, velocity: &[Vec3]) -> DVec3 {
+        let [p, a, b] = self.ids.map(|v| velocity[v].as_dvec3());
+        let (du, dv) = (a - p, b - p);
+        let [by_u, by_v] = self.angle_slopes();
+        let dn = du.cross(self.v) + self.u.cross(dv);
+        let dm = (dn - self.m * self.m.dot(dn)) / self.area;
+        (by_u.dot(du) + by_v.dot(dv)) * self.m + self.angle_rad * dm
+    }
+
+    /// The transpose: adds what a cotangent of α·m comes to at the vertices.
+    fn pull_back(&self, bar: DVec3, positions: &mut [DVec3]) {
+        let along = self.m.dot(bar);
+        let dn = self.angle_rad * (bar - self.m * along) / self.area;
+        let [by_u, by_v] = self.angle_slopes();
+        let du = along * by_u + self.v.cross(dn);
+        let dv = along * by_v + dn.cross(self.u);
+        for (id, bar) in self.ids.into_iter().zip([-du - dv, du, dv]) {
+            positions[id] += bar;
+        }
+    }
 }
 
 /// Sums of α·m at each vertex.
 fn weighted_sums(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
-    for (ids, value, _) in corners(mesh) {
-        if value.is_finite() {
-            sums[ids[0]] += value;
-        }
+    for corner in corners(mesh) {
+        sums[corner.ids[0]] += corner.value();
     }
     sums
 }
 
 fn computed_tangent(mesh: &Mesh, velocity: &[Vec3]) -> Vec<Vec3> {
-    let sums = weighted_sums(mesh);
-    let mut change = vec![DVec3::ZERO; sums.len()];
-    for (ids, value, jacobian) in corners(mesh).filter(|c| c.1.is_finite()) {
-        let _ = value;
-        change[ids[0]] += (0..3)
-            .map(|i| jacobian[i] * velocity[ids[i]].as_dvec3())
-            .sum::<DVec3>();
+    let mut sums = vec![(DVec3::ZERO, DVec3::ZERO); mesh.positions.len()];
+    for corner in corners(mesh) {
+        let (sum, change) = &mut sums[corner.ids[0]];
+        *sum += corner.value();
+        *change += corner.change(velocity);
     }
-    sums.iter()
-        .zip(change)
-        .map(|(s, c)| normalized_change(*s, c).as_vec3())
-        .collect()
+    let unit = |(sum, change)| normalized_change(sum, change).as_vec3();
+    sums.into_iter().map(unit).collect()
 }
 
 fn computed_adjoint(mesh: &Mesh, normals: &[DVec3], positions: &mut [DVec3]) {
@@ -129,10 +155,8 @@ fn computed_adjoint(mesh: &Mesh, normals: &[DVec3], positions: &mut [DVec3]) {
         .zip(normals)
         .map(|(s, n)| normalized_change(*s, *n))
         .collect();
-    for (ids, _, jacobian) in corners(mesh).filter(|c| c.1.is_finite()) {
-        for i in 0..3 {
-            positions[ids[i]] += jacobian[i].transpose() * bars[ids[0]];
-        }
+    for corner in corners(mesh) {
+        corner.pull_back(bars[corner.ids[0]], positions);
     }
 }
 
@@ -144,4 +168,46 @@ fn normalized_change(s: DVec3, c: DVec3) -> DVec3 {
     }
     let n = s / length;
     (c - n * n.dot(c)) / length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [Vec3; 3] = [
+        Vec3::new(0.25, -0.5, 1.0),
+        Vec3::new(1.5, 0.125, 0.75),
+        Vec3::new(-0.5, 1.0, 1.25),
+    ];
+    const VELOCITY: [Vec3; 3] = [
+        Vec3::new(0.5, 1.0, -0.25),
+        Vec3::new(-1.0, 0.75, 0.5),
+        Vec3::new(0.25, -0.5, 1.5),
+    ];
+
+    fn corner(by: f64) -> Corner {
+        let points = [0, 1, 2].map(|i| POINTS[i].as_dvec3() + by * VELOCITY[i].as_dvec3());
+        Corner::new([0, 1, 2], points).expect("an area")
+    }
+
+    #[test]
+    fn a_corner_changes_as_differences_say() {
+        let h = 1e-5;
+        let difference = (corner(h).value() - corner(-h).value()) / (2.0 * h);
+        let change = corner(0.0).change(&VELOCITY);
+        assert!(
+            (difference - change).length() < 1e-8,
+            "{difference} {change}"
+        );
+    }
+
+    #[test]
+    fn pulling_back_is_the_transpose() {
+        let bar = DVec3::new(0.3, -1.2, 0.7);
+        let mut pulled = [DVec3::ZERO; 3];
+        corner(0.0).pull_back(bar, &mut pulled);
+        let there: f64 = (0..3).map(|i| pulled[i].dot(VELOCITY[i].as_dvec3())).sum();
+        let here = bar.dot(corner(0.0).change(&VELOCITY));
+        assert!((here - there).abs() < 1e-14, "{here} {there}");
+    }
 }

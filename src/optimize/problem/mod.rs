@@ -242,8 +242,9 @@ impl Problem {
             ..self.settings_of(view, 0)
         };
         let needed = pose::needed(&self.start, &parameters);
+        let jobs = self.config.steps * self.views.len() as u64;
         let decided = prepared
-            .and_then(|p| p.decide(&settings, &Question::Backward(&needed), progress))
+            .and_then(|p| p.decide_for(jobs, &settings, &Question::Backward(&needed), progress))
             .map_err(failed)?;
         let (settled, pilot) = decided;
         self.settings.method = settled.method;

@@ -1,0 +1,133 @@
+//! How long a pilot looks.
+//!
+//! A trial has to see enough of the few paths that hold much of the variance, and a pilot must not
+//! cost more than it may save. A first look is short; where it says that differences do, which are
+//! the cheapest answer, it is left at that. The rest is looked at again, for as long as the job
+//! lets: about a 32nd of it.
+
+use super::error::EngineError;
+use super::prepared::Prepared;
+use super::settings::{Groups, Settings};
+use super::stage::Stage;
+use super::statistics::Statistics;
+
+/// The pilot's own random numbers.
+const SEED: u64 = 0x7069_6c6f_7400_0001;
+/// Groups of a whole look, and the samples a pixel of each, as far as the job's groups have as many.
+const GROUPS: u32 = 4;
+const SAMPLES: [u32; 2] = [2, 16];
+/// The least of a shorter one, which is to see more of the film.
+const FEW_GROUPS: u32 = 2;
+const FEW_SAMPLES: u32 = 1;
+
+/// Paths of a whole look, and the share that they have in the job's at least.
+const WHOLE_PATHS: f64 = 16384.0;
+const WHOLE_SHARE: f64 = 1.0 / 64.0;
+/// Paths of the shortest look.
+const LEAST_PATHS: f64 = 1024.0;
+/// What a first look has in all that will be done, and later ones.
+const FIRST_SHARE: f64 = 1.0 / 256.0;
+const LATER_SHARE: f64 = 1.0 / 32.0;
+/// So many differences, one for each number, cost about what paths do.
+const AS_DEAR: f64 = 8.0;
+
+/// What trials are for.
+#[derive(Clone, Copy)]
+pub struct Job {
+    pixels: f64,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// How often it will be done.
+    times: f64,
+    /// Differences that would answer, one for each number.
+    pub differences: usize,
+}
+
+/// How a trial looks.
+pub struct Look {
+    pub settings: Settings,
+    /// The part of the film that is looked at.
+    pub film: f64,
+    /// Its paths in those of one job.
+    pub share: f64,
+}
+
+impl Job {
+    pub fn new(
+        prepared: &Prepared,
+        settings: &Settings,
+        times: u64,
+        differences: Option<usize>,
+    ) -> Result<Self, EngineError> {
+        let stage = Stage::new(prepared, settings, None, &mut Statistics::default())?;
+        Ok(Self {
+            pixels: stage.size.iter().product::<usize>() as f64,
+            spp: settings.spp,
+            times: times as f64,
+            differences: differences.unwrap_or(1),
+        })
+    }
+
+    /// Paths of one job.
+    fn paths(&self) -> f64 {
+        self.pixels * f64::from(self.spp)
+    }
+
+    /// Paths of a look that is taken to see enough.
+    pub fn whole_look(&self) -> f64 {
+        WHOLE_PATHS.max(WHOLE_SHARE * self.paths())
+    }
+
+    /// Paths of a first look.
+    pub fn first_look(&self) -> f64 {
+        self.share(FIRST_SHARE).max(LEAST_PATHS)
+    }
+
+    /// Paths of a later one, if the job is worth more than a first.
+    pub fn later_look(&self) -> Option<f64> {
+        let paths = self.share(LATER_SHARE);
+        (paths > LEAST_PATHS).then_some(paths)
+    }
+
+    /// A share of all that will be done in paths, at most a whole look.
+    fn share(&self, share: f64) -> f64 {
+        let dear = (self.differences as f64).min(AS_DEAR);
+        (share * dear * self.times * self.paths()).min(self.whole_look())
+    }
+}
+
+impl Look {
+    /// About so many paths: fewer samples on the whole film, or on tiles of it where even the least
+    /// would be too many. What has most of the noise, as a lamp that is seen, may lie in one place.
+    pub fn new(
+        prepared: &Prepared,
+        settings: &Settings,
+        job: Job,
+        paths: f64,
+    ) -> Result<Self, EngineError> {
+        let (count, least) = match paths < WHOLE_PATHS {
+            true => (FEW_GROUPS, FEW_SAMPLES),
+            false => (GROUPS, SAMPLES[0]),
+        };
+        let of_group = settings.spp / settings.groups().count;
+        let [least, most] = [least, SAMPLES[1]].map(|n| n.min(of_group).max(1));
+        let samples = ((paths / job.pixels) as u32 / count).clamp(least, most);
+        let spp = samples * count;
+        let part = (paths / (job.pixels * f64::from(spp))).min(1.0);
+        let settings = Settings {
+            seed: SEED,
+            spp,
+            standard_error: true,
+            groups: Some(Groups { count, only: None }),
+            part_of_film: (part < 1.0).then_some(part),
+            ..settings.clone()
+        };
+        let stage = Stage::new(prepared, &settings, None, &mut Statistics::default())?;
+        let film = stage.part_of_tiles();
+        Ok(Self {
+            share: film * f64::from(spp) / f64::from(job.spp),
+            settings,
+            film,
+        })
+    }
+}

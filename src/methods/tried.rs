@@ -1,0 +1,176 @@
+//! What a pilot has tried, and which of it is best.
+
+use super::contender::Contender;
+use super::statistics::{Pilot, Trial};
+
+/// What promises less than this over what is usual is not worth the risk of being misled, by whole
+/// looks and by shorter ones.
+const WORTHWHILE: f64 = 1.2;
+const WORTHWHILE_IN_SHORT: f64 = 2.0;
+/// Differences may promise less than the best of all else. Few paths hold much of the variance of
+/// that, and most pilots do not meet them: they see 0.7 of it in the median.
+const WORTHWHILE_DIFFERENCES: f64 = 0.8;
+
+/// A way that has been tried.
+pub struct Tried {
+    pub way: Contender,
+    /// Paths that it was looked at with.
+    pub paths: f64,
+    /// Of the job's gradient image, summed over its numbers.
+    pub variance: f64,
+    /// Of the job, in about microseconds.
+    pub work: f64,
+    pub looks_over_lobes: bool,
+}
+
+impl Tried {
+    fn cost(&self) -> f64 {
+        self.variance * self.work
+    }
+}
+
+/// All that has been tried, the usual first, each way once.
+pub struct AllTried {
+    tried: Vec<Tried>,
+    /// Paths of a look that is taken to see enough.
+    whole_look: f64,
+}
+
+impl AllTried {
+    /// Nothing yet.
+    pub fn new(whole_look: f64) -> Self {
+        Self {
+            tried: Vec::new(),
+            whole_look,
+        }
+    }
+
+    /// Adds a trial, or puts it in the place of an earlier one of the same way.
+    pub fn add(&mut self, tried: Tried) {
+        match self.tried.iter_mut().find(|known| known.way == tried.way) {
+            Some(known) => *known = tried,
+            None => self.tried.push(tried),
+        }
+    }
+
+    /// What was tried first.
+    pub fn usual(&self) -> &Tried {
+        &self.tried[0]
+    }
+
+    /// Whether differences promise more than so many times the efficiency of what is usual.
+    pub fn differences_promise(&self, times: f64) -> bool {
+        let differences = self.least(true);
+        differences.is_some_and(|it| it.cost() * times < self.usual().cost())
+    }
+
+    /// What has the least noise for its work.
+    pub fn best(&self) -> Contender {
+        let ours = self.best_mixture();
+        match self.least(true) {
+            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < ours.cost() => it.way,
+            _ => ours.way,
+        }
+    }
+
+    /// The same without differences; the usual if that is nearly as good.
+    pub fn best_mixture(&self) -> &Tried {
+        let usual = self.usual();
+        let worthwhile = match usual.paths < self.whole_look {
+            true => WORTHWHILE_IN_SHORT,
+            false => WORTHWHILE,
+        };
+        match self.least(false) {
+            Some(best) if best.cost() * worthwhile < usual.cost() => best,
+            _ => usual,
+        }
+    }
+
+    /// The least of what has been tried, among differences or all else.
+    fn least(&self, is_difference: bool) -> Option<&Tried> {
+        let tried = self.tried.iter();
+        let of_kind = tried.filter(|t| t.way.is_difference() == is_difference);
+        of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
+    }
+
+    /// What a pilot tells of it.
+    pub fn pilot(&self) -> Pilot {
+        let usual = self.usual().cost();
+        let trials = self.tried.iter().map(|tried| Trial {
+            way: tried.way.name(),
+            paths: tried.paths,
+            variance: tried.variance,
+            work: tried.work,
+            efficiency: Some(usual / tried.cost()).filter(|by| by.is_finite()),
+        });
+        Pilot {
+            trials: trials.collect(),
+            ..Pilot::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boundary::mixture::{Mixture, OnFilm};
+
+    const USUAL: f64 = 10.0;
+
+    fn after(film_at_rest: f64, differences: f64, paths: f64) -> Contender {
+        let on = |film| {
+            Contender::Mixture(Mixture {
+                film,
+                ..Mixture::default()
+            })
+        };
+        let mut all = AllTried::new(1000.0);
+        for (way, variance) in [
+            (on(OnFilm::Drifting), USUAL),
+            (Contender::Differences, differences),
+            (on(OnFilm::Resting), film_at_rest),
+        ] {
+            all.add(Tried {
+                way,
+                paths,
+                variance,
+                work: 2.0,
+                looks_over_lobes: false,
+            });
+        }
+        all.best()
+    }
+
+    /// Pilots miss some of the noise of paths, so that differences may promise less.
+    #[test]
+    fn differences_may_promise_a_little_less() {
+        assert!(after(50.0, 1.2 * USUAL, 1000.0).is_difference());
+        assert!(!after(50.0, 1.3 * USUAL, 1000.0).is_difference());
+    }
+
+    /// Short looks have to be clearer than whole ones.
+    #[test]
+    fn another_mixture_has_to_promise_more() {
+        let is_usual = |way: Contender| way == Contender::Mixture(Mixture::default());
+        assert!(is_usual(after(USUAL / 1.1, 99.0, 1000.0)));
+        assert!(!is_usual(after(USUAL / 1.3, 99.0, 1000.0)));
+        assert!(is_usual(after(USUAL / 1.3, 99.0, 500.0)));
+        assert!(!is_usual(after(USUAL / 2.1, 99.0, 500.0)));
+    }
+
+    #[test]
+    fn a_longer_look_takes_the_place_of_a_shorter() {
+        let mut all = AllTried::new(1000.0);
+        for (paths, variance) in [(100.0, 1.0), (1000.0, 3.0)] {
+            all.add(Tried {
+                way: Contender::Differences,
+                paths,
+                variance,
+                work: 1.0,
+                looks_over_lobes: false,
+            });
+        }
+        assert_eq!(all.pilot().trials.len(), 1);
+        assert_eq!(all.usual().variance, 3.0);
+    }
+}
