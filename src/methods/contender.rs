@@ -8,8 +8,10 @@ use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 #[derive(Clone, Copy, PartialEq)]
 pub enum Contender {
     Mixture(Mixture),
-    /// Of samples that are carried, where they can be.
-    Differences,
+    /// Of samples that are carried, if they can be.
+    Differences {
+        carried: bool,
+    },
 }
 
 impl Contender {
@@ -18,7 +20,7 @@ impl Contender {
         let mut settled = settings.clone();
         let (method, mixture) = match self {
             Contender::Mixture(mixture) => (settings.method, mixture),
-            Contender::Differences => (Method::CarriedFd, Mixture::default()),
+            Contender::Differences { .. } => (Method::CarriedFd, Mixture::default()),
         };
         settled.method = method;
         settled.constants.mixture = Some(mixture);
@@ -45,7 +47,8 @@ impl Contender {
                 };
                 format!("{film}, {lobes}")
             }
-            Contender::Differences => Method::CarriedFd.title().into(),
+            Contender::Differences { carried: true } => Method::CarriedFd.title().into(),
+            Contender::Differences { carried: false } => Method::Fd.title().into(),
         }
     }
 }

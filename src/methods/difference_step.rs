@@ -4,7 +4,7 @@ use super::error::EngineError;
 use super::settings::Settings;
 use crate::paths::film::camera::Camera;
 use crate::scene::parameters::{Parameter, tangent};
-use crate::scene::{Scene, SceneDifferential};
+use crate::scene::{DeltaLightKind, Scene, SceneDifferential};
 
 /// Pixels that the fastest point moves at the step h.
 const STEP_PIXELS: f64 = 0.1;
@@ -13,7 +13,8 @@ const STEP_COLOUR: f64 = 0.01;
 /// And no more than this part of the way to the nearest limit.
 const STEP_ROOM: f64 = 0.2;
 
-/// A step along the direction that moves the fastest visible point by a tenth of a pixel.
+/// A step along the direction that moves the fastest point by a tenth of a pixel: of what is seen, or
+/// of lights without an extent and of the sky as they would be seen.
 pub fn step(
     scene: &Scene,
     settings: &Settings,
@@ -36,6 +37,15 @@ pub fn step(
             let distance = (*p - camera.origin).length() as f64;
             fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
         }
+    }
+    for (light, velocity) in scene.delta_lights.iter().zip(&tangent.delta_lights) {
+        if let (DeltaLightKind::Point { position }, Some(v)) = (&light.kind, velocity) {
+            let distance = (*position - camera.origin).length() as f64;
+            fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
+        }
+    }
+    if let Some(motion) = &tangent.environment {
+        fastest = fastest.max(motion.rotation.length() as f64 * pixels);
     }
     if let Some(motion) = &tangent.camera {
         let nearest = scene

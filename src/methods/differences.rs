@@ -66,18 +66,19 @@ pub fn forward(
     by_steps(&displaced, direction, &steps, progress)
 }
 
-/// The same, and keeps the structures of the displaced scenes for who comes next.
+/// The same, and whether samples are carried; keeps the structures of the displaced scenes for who
+/// comes next.
 pub fn forward_of_pilot(
     prepared: &Prepared,
     settings: &Settings,
     direction: &[(Parameter, Vec<f32>)],
     progress: &dyn Progress,
-) -> Result<ForwardGradient, EngineError> {
+) -> Result<(ForwardGradient, bool), EngineError> {
     let steps = Steps::usual(prepared, settings, direction)?;
     let displaced = Displaced::new(prepared, settings);
     let done = by_steps(&displaced, direction, &steps, progress);
     prepared.parts.keep_followers(displaced.followers);
-    done
+    Ok((done?, steps.carried.is_some()))
 }
 
 /// The same by a step of one's own, with samples at rest.

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::trace::geometry::Geometry;
 use crate::trace::{Accel, AccelOptions, Backend};
 use glam::Vec3;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// What is computed from a scene before anything is traced. Clones share it.
 #[derive(Clone)]
@@ -131,7 +131,7 @@ impl Parts {
         *self.kept_followers() = Some(followers);
     }
 
-    fn kept_followers(&self) -> std::sync::MutexGuard<'_, Option<Followers>> {
+    fn kept_followers(&self) -> MutexGuard<'_, Option<Followers>> {
         self.followers
             .lock()
             .unwrap_or_else(PoisonError::into_inner)

@@ -6,6 +6,7 @@
 //! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
 //! in rays and not in seconds, so all processes and all runs come to the same.
 
+use super::carried;
 use super::contender::Contender;
 use super::decisions::Asked;
 use super::difference_step::step;
@@ -96,7 +97,10 @@ impl Prepared<'_> {
         let mut trials = Trials::new(self, settings.clone(), (direction, job), progress);
         match trials.run_usual() {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {
-                return Ok((Contender::Differences, Pilot::without_trials(sentence)));
+                let tangent = parameters::tangent(self.scene, direction, settings.sensor)?;
+                let carried = carried::is_possible(self.scene, &settings, &tangent);
+                let way = Contender::Differences { carried };
+                return Ok((way, Pilot::without_trials(sentence)));
             }
             tried => tried?,
         }

@@ -1,10 +1,9 @@
 //! What a pilot finds out by trial: how much noise a way has, and how much work it is.
 
-use super::carried;
 use super::contender::Contender;
-use super::differences::{self, carried_step};
+use super::differences::{self, CARRIED_IMAGES, IMAGES, carried_step};
 use super::error::EngineError;
-use super::estimators::{Constants, Method};
+use super::estimators::Method;
 use super::looks::{Job, Look};
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -19,16 +18,16 @@ use crate::scene::parameters::{self, Parameter};
 use std::collections::BTreeMap;
 
 /// What is tried first.
-const USUAL: Contender = Contender::Mixture(Mixture {
+const USUAL: Mixture = Mixture {
     film: OnFilm::Drifting,
     lobes: OverLobes::Cells,
-});
+};
 
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
-/// To make the two displaced scenes of a difference, in microseconds for each vertex that moves: of
-/// four it was 0.6 and 2.3 in meshes of 150,000 and 360,000 vertices.
-const DISPLACED_VERTEX_US: f64 = 0.75;
+/// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and 2.3
+/// in meshes of 150,000 and 360,000 vertices.
+const DISPLACED_VERTEX_US: f64 = 0.375;
 
 /// Edges over lobes are tried if no greater part of the vertices moves, as a lamp over a forest. On
 /// 147 directions by cameras and large meshes they were never better by a fifth.
@@ -64,38 +63,67 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Looks at a way with so many paths; a longer look replaces one before.
-    fn run(&mut self, way: Contender, paths: f64) -> Result<(), EngineError> {
-        let quiet = Quietly(self.progress);
-        let (prepared, direction) = (self.prepared, self.direction);
-        let look = Look::new(prepared, &self.settings, self.job, paths)?;
-        let mut settings = look.settings;
-        let found = match way {
-            Contender::Mixture(mixture) => {
-                settings.constants = Constants {
-                    mixture: Some(mixture),
-                    ..settings.constants
-                };
-                let boundary = Method::Auto.boundary();
-                prepared.forward_by(&settings, direction, boundary, &quiet)?
-            }
-            Contender::Differences => {
-                differences::forward_of_pilot(prepared, &way.settle(&settings), direction, &quiet)?
-            }
+    /// Looks at a mixture with so many paths; a longer look replaces one before.
+    fn run(&mut self, mixture: Mixture, paths: f64) -> Result<(), EngineError> {
+        let mut look = Look::new(self.prepared, &self.settings, self.job, paths)?;
+        look.settings.constants.mixture = Some(mixture);
+        let found = self.prepared.forward_by(
+            &look.settings,
+            self.direction,
+            Method::Auto.boundary(),
+            &Quietly(self.progress),
+        )?;
+        let way = Contender::Mixture(mixture);
+        let work = self.work(way, &found, &look);
+        let variance = self.variance(&found, &look);
+        self.add(way, paths, [variance, work], &found);
+        Ok(())
+    }
+
+    /// The same with differences.
+    fn run_differences(&mut self, paths: f64) -> Result<(), EngineError> {
+        let look = Look::new(self.prepared, &self.settings, self.job, paths)?;
+        let settings = Settings {
+            method: Method::CarriedFd,
+            ..look.settings.clone()
         };
-        let environment = prepared.scene.environment.as_ref();
-        let has_map = environment.is_some_and(|e| e.map.is_some());
-        let samples = f64::from(settings.spp) / f64::from(self.job.spp);
-        let mut variance = variance(&found) * samples / look.film;
-        let mut work = work(way, &found.statistics.rays, has_map) / look.share;
-        if way.is_difference() {
-            if carried::is_possible(prepared.scene, &settings, &self.tangent()?) {
-                // Of what jumps it goes with one over the step.
-                variance *= carried_step(settings.spp) / carried_step(self.job.spp);
-            }
-            work += DISPLACED_VERTEX_US * self.moved_vertices()?;
-            work *= self.job.differences as f64;
+        let quiet = Quietly(self.progress);
+        let (found, carried) =
+            differences::forward_of_pilot(self.prepared, &settings, self.direction, &quiet)?;
+        let way = Contender::Differences { carried };
+        let mut work = self.work(way, &found, &look);
+        let mut variance = self.variance(&found, &look);
+        if carried {
+            // Of what jumps it goes with one over the step.
+            variance *= carried_step(settings.spp) / carried_step(self.job.spp);
         }
+        let scenes = if carried { CARRIED_IMAGES } else { IMAGES };
+        work += DISPLACED_VERTEX_US * scenes as f64 * self.moved_vertices()?;
+        work *= self.job.differences as f64;
+        self.add(way, paths, [variance, work], &found);
+        Ok(())
+    }
+
+    /// Of the job's gradient image.
+    fn variance(&self, found: &ForwardGradient, look: &Look) -> f64 {
+        let samples = f64::from(look.settings.spp) / f64::from(self.job.spp);
+        variance(found) * samples / look.film
+    }
+
+    /// Of the job.
+    fn work(&self, way: Contender, found: &ForwardGradient, look: &Look) -> f64 {
+        let environment = self.prepared.scene.environment.as_ref();
+        let has_map = environment.is_some_and(|e| e.map.is_some());
+        work(way, &found.statistics.rays, has_map) / look.share
+    }
+
+    fn add(
+        &mut self,
+        way: Contender,
+        paths: f64,
+        [variance, work]: [f64; 2],
+        found: &ForwardGradient,
+    ) {
         self.done.add(Tried {
             way,
             paths,
@@ -103,7 +131,6 @@ impl<'a> Trials<'a> {
             work,
             looks_over_lobes: found.statistics.rays.contains_key("bounce_cell"),
         });
-        Ok(())
     }
 
     fn tangent(&self) -> Result<SceneDifferential, EngineError> {
@@ -143,7 +170,6 @@ impl<'a> Trials<'a> {
             edges,
             edges_from_rest,
         } = self.possible(paths)?;
-        let usual = Mixture::default();
         let looks_over_lobes = self.done.usual().looks_over_lobes;
         let on_film = [
             (OnFilm::Resting, drifts),
@@ -151,16 +177,16 @@ impl<'a> Trials<'a> {
         ];
         for (film, is_possible) in on_film {
             if is_possible {
-                self.run(Contender::Mixture(Mixture { film, ..usual }), paths)?;
+                self.run(Mixture { film, ..USUAL }, paths)?;
             }
         }
         let film = match self.done.best_mixture().way {
             Contender::Mixture(best) => best.film,
-            Contender::Differences => usual.film,
+            Contender::Differences { .. } => USUAL.film,
         };
         if looks_over_lobes && edges_from_rest && self.few_move()? {
             let lobes = OverLobes::EdgesFromRest;
-            self.run(Contender::Mixture(Mixture { film, lobes }), paths)?;
+            self.run(Mixture { film, lobes }, paths)?;
         }
         Ok(())
     }
@@ -170,7 +196,7 @@ impl<'a> Trials<'a> {
     pub fn run_all(&mut self) -> Result<(), EngineError> {
         let later = self.job.later_look();
         let paths = later.unwrap_or(self.job.first_look());
-        self.run(Contender::Differences, paths)?;
+        self.run_differences(paths)?;
         let is_whole = self.done.usual().paths == self.job.whole_look();
         let bound = if is_whole { CLEARLY } else { 1.0 };
         if later.is_none() || self.done.differences_promise(bound) {
@@ -245,8 +271,8 @@ fn variance(found: &ForwardGradient) -> f64 {
 /// battery (`docs/method.md`, 14); that of drawn edges is a guess.
 fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: bool) -> f64 {
     let cost = |kind: &str| match (contender, kind) {
-        (Contender::Differences, "camera") => 0.15,
-        (Contender::Differences, _) => 0.07,
+        (Contender::Differences { .. }, "camera") => 0.15,
+        (Contender::Differences { .. }, _) => 0.07,
         (Contender::Mixture(_), "camera") => 0.08,
         (Contender::Mixture(_), "shadow") => 0.3,
         (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,

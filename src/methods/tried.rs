@@ -3,8 +3,8 @@
 use super::contender::Contender;
 use super::statistics::{Pilot, Trial};
 
-/// What promises less than this over what is usual is not worth the risk of being misled, by whole
-/// looks and by shorter ones.
+/// What promises less than this over what is usual is not worth the risk of being misled, by half of
+/// a whole look or more, and by shorter ones.
 const WORTHWHILE: f64 = 1.2;
 const WORTHWHILE_IN_SHORT: f64 = 2.0;
 /// Differences may promise less than the best of all else. Few paths hold much of the variance of
@@ -76,7 +76,7 @@ impl AllTried {
     /// The same without differences; the usual if that is nearly as good.
     pub fn best_mixture(&self) -> &Tried {
         let usual = self.usual();
-        let worthwhile = match usual.paths < self.whole_look {
+        let worthwhile = match usual.paths < 0.5 * self.whole_look {
             true => WORTHWHILE_IN_SHORT,
             false => WORTHWHILE,
         };
@@ -127,7 +127,7 @@ mod tests {
         let mut all = AllTried::new(1000.0);
         for (way, variance) in [
             (on(OnFilm::Drifting), USUAL),
-            (Contender::Differences, differences),
+            (Contender::Differences { carried: true }, differences),
             (on(OnFilm::Resting), film_at_rest),
         ] {
             all.add(Tried {
@@ -153,9 +153,9 @@ mod tests {
     fn another_mixture_has_to_promise_more() {
         let is_usual = |way: Contender| way == Contender::Mixture(Mixture::default());
         assert!(is_usual(after(USUAL / 1.1, 99.0, 1000.0)));
-        assert!(!is_usual(after(USUAL / 1.3, 99.0, 1000.0)));
-        assert!(is_usual(after(USUAL / 1.3, 99.0, 500.0)));
-        assert!(!is_usual(after(USUAL / 2.1, 99.0, 500.0)));
+        assert!(!is_usual(after(USUAL / 1.3, 99.0, 500.0)));
+        assert!(is_usual(after(USUAL / 1.3, 99.0, 499.0)));
+        assert!(!is_usual(after(USUAL / 2.1, 99.0, 499.0)));
     }
 
     #[test]
@@ -163,7 +163,7 @@ mod tests {
         let mut all = AllTried::new(1000.0);
         for (paths, variance) in [(100.0, 1.0), (1000.0, 3.0)] {
             all.add(Tried {
-                way: Contender::Differences,
+                way: Contender::Differences { carried: true },
                 paths,
                 variance,
                 work: 1.0,

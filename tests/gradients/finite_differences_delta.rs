@@ -4,7 +4,9 @@ use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
+use common::{Quiet, direction, flat, settings};
 use glam::vec3;
+use warpath::methods::{Method, forward};
 use warpath::scene::Distribution::Ggx;
 use warpath::scene::{DeltaLightKind, Scene};
 
@@ -50,6 +52,30 @@ fn what_throws_the_shadow_is_rotated() {
 #[test]
 fn the_light_moves() {
     holds(&bulb(shadow()), &[("bulb.position", &[1.0, 0.3, 0.6])]);
+}
+
+/// How fast a tangent says that the light moves does not matter: the steps are as far.
+#[test]
+fn differences_step_by_pixels() {
+    let scene = bulb(shadow());
+    let by = |times: f32| {
+        let along = direction(
+            &scene,
+            &[("bulb.position", &[times, 0.25 * times, 0.5 * times])],
+        );
+        flat(
+            &forward(&scene, &settings(&scene, Method::Fd, 4, 3), &along, &Quiet)
+                .unwrap()
+                .gradient,
+        )
+    };
+    let (slow, fast) = (by(1.0), by(1024.0));
+    assert!(slow.iter().any(|g| *g != 0.0));
+    assert!(
+        slow.iter()
+            .zip(&fast)
+            .all(|(slow, fast)| 1024.0 * slow == *fast)
+    );
 }
 
 #[test]

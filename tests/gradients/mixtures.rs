@@ -301,7 +301,7 @@ fn it_says_why_nothing_is_tried() {
     };
     let moved = direction(&scene, &[("ball.translation", &MOVED)]);
     let (chosen, because) = why(&scene, &moved);
-    assert_eq!(chosen, "carried finite differences");
+    assert_eq!(chosen, Method::Fd.title());
     assert!(because.contains("parallel projection"), "{because}");
     let keys: Vec<_> = moved.iter().map(|(p, _)| p.clone()).collect();
     // So few numbers may have a difference each; paths are asked for by both modes together.

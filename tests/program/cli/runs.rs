@@ -202,7 +202,7 @@ fn auto_explains_itself() {
     let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
     assert_eq!(report["method"], "auto");
     let trials = report["pilot"]["trials"].as_array().unwrap();
-    assert!(trials.len() > 2, "{report}");
+    assert!(trials.len() > 1, "{report}");
     for trial in trials {
         let way = trial["way"].as_str().unwrap();
         assert!(message.contains(&format!("auto tried {way}:")), "{message}");
