@@ -9,6 +9,7 @@
 //! nothing that rests has to have edges that can be drawn.
 
 use super::cells::Cells;
+use super::cells::film::drift::Follows;
 use super::edges::Edges;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::at::At;
@@ -35,6 +36,10 @@ pub enum OnFilm {
     Drifting,
     /// Cells on a film that rests.
     Resting,
+    /// Cells on a film that drifts with all that it sees.
+    WithAll,
+    /// Cells on a film that drifts with all that moves.
+    WithAllThatMoves,
     Edges,
 }
 
@@ -69,8 +74,8 @@ impl<'a> Mixed<'a> {
 
     fn on_film(&self) -> &dyn BoundaryEstimator {
         match self.mixture.film {
-            OnFilm::Drifting | OnFilm::Resting => &self.cells,
             OnFilm::Edges => &self.edges,
+            _ => &self.cells,
         }
     }
 }
@@ -85,10 +90,13 @@ impl BoundaryEstimator for Mixed<'_> {
     }
 
     fn drift(&self, film: &WholeFilm) -> Option<Drift> {
-        match self.mixture.film {
-            OnFilm::Drifting => self.cells.drift(film),
-            OnFilm::Resting | OnFilm::Edges => None,
-        }
+        let follows = match self.mixture.film {
+            OnFilm::Drifting => Follows::WhatPays,
+            OnFilm::WithAll => Follows::All,
+            OnFilm::WithAllThatMoves => Follows::AllThatMoves,
+            OnFilm::Resting | OnFilm::Edges => return None,
+        };
+        self.cells.drift_with(film, follows)
     }
 
     fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {

@@ -12,6 +12,7 @@ use super::refusals;
 use super::settings::{Groups, Settings};
 use super::statistics::Statistics;
 use super::workers::Workers;
+use crate::boundary::mixture::Mixture;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::{BoundaryEstimator, Interior, WholeFilm};
@@ -208,6 +209,16 @@ impl<'a> Stage<'a> {
             (Some(make), Some(adjacency)) => make(adjacency, &self.moving, &self.constants),
             _ => Box::new(Interior),
         }
+    }
+
+    /// What would carry the film's samples with a mixture.
+    pub fn drift_by(&self, mixture: Mixture) -> Option<Drift> {
+        let (make, adjacency) = (self.boundary?, self.parts.adjacency.get()?);
+        let constants = Constants {
+            mixture: Some(mixture),
+            ..self.constants
+        };
+        self.drift(&self.view(), &*make(adjacency, &self.moving, &constants))
     }
 
     /// What carries the film's samples.

@@ -29,6 +29,9 @@ const CLEARLY: f64 = 4.0;
 /// in meshes of 150,000 and 360,000 vertices.
 const DISPLACED_VERTEX_US: f64 = 0.375;
 
+/// Looks are dense that have one sample of a pixel for this many of the job.
+const DENSE: u32 = 4;
+
 /// Edges over lobes are tried if no greater part of the vertices moves, as a lamp over a forest. On
 /// 147 directions by cameras and large meshes they were never better by a fifth.
 const FEW: f64 = 0.25;
@@ -166,19 +169,12 @@ impl<'a> Trials<'a> {
             self.run(USUAL, paths)?;
         }
         let Possible {
-            drifts,
-            edges,
+            on_film,
             edges_from_rest,
         } = self.possible(paths)?;
         let looks_over_lobes = self.done.usual().looks_over_lobes;
-        let on_film = [
-            (OnFilm::Resting, drifts),
-            (OnFilm::Edges, edges || edges_from_rest),
-        ];
-        for (film, is_possible) in on_film {
-            if is_possible {
-                self.run(Mixture { film, ..USUAL }, paths)?;
-            }
+        for film in on_film {
+            self.run(Mixture { film, ..USUAL }, paths)?;
         }
         let film = match self.done.best_mixture().way {
             Contender::Mixture(best) => best.film,
@@ -219,11 +215,9 @@ impl<'a> Trials<'a> {
 
 /// Which mixtures are worth a try.
 struct Possible {
-    /// Whether the film would drift.
-    drifts: bool,
-    /// Whether drawn edges would find all that moves.
-    edges: bool,
-    /// Whether they would from points that rest, if the camera is one.
+    /// Beside the usual.
+    on_film: Vec<OnFilm>,
+    /// Whether drawn edges would find all that moves, as seen from points that rest.
     edges_from_rest: bool,
 }
 
@@ -239,13 +233,19 @@ impl Trials<'_> {
         let few_edges = (self.moved_triangles(&tangent) as f64) < paths;
         let is_allowed = few_edges
             && super::refusals::check(prepared.scene, &tangent, sensor, Method::Edges).is_ok();
-        let view = stage.view();
+        let edges = is_allowed && stage.check_geometry(Method::Edges).is_ok();
+        let edges_from_rest = is_allowed
+            && stage.camera_rests()
+            && stage.check_geometry_from_rest(Method::Edges).is_ok();
+        let look = Look::new(prepared, settings, self.job, paths)?;
+        let is_dense = DENSE * look.settings.spp >= self.job.spp;
+        let mut on_film = drifts(&stage, is_dense);
+        if edges || edges_from_rest {
+            on_film.push(OnFilm::Edges);
+        }
         Ok(Possible {
-            drifts: stage.drift(&view, &*stage.estimator()).is_some(),
-            edges: is_allowed && stage.check_geometry(Method::Edges).is_ok(),
-            edges_from_rest: is_allowed
-                && stage.camera_rests()
-                && stage.check_geometry_from_rest(Method::Edges).is_ok(),
+            on_film,
+            edges_from_rest,
         })
     }
 
@@ -255,6 +255,26 @@ impl Trials<'_> {
         let moved = meshes.filter(|(_, motion)| tangent.camera.is_some() || motion.is_some());
         moved.map(|(mesh, _)| mesh.triangles.len()).sum()
     }
+}
+
+/// Films that drift otherwise than the usual one does, among them that at rest. Looks with far fewer
+/// samples a pixel than the job has do not show what following brings: what it costs falls soon, and
+/// what it avoids is seldom met.
+fn drifts(stage: &Stage, is_dense: bool) -> Vec<OnFilm> {
+    let mut films = Vec::new();
+    let mut known = vec![stage.drift_by(USUAL)];
+    let others: &[OnFilm] = match is_dense {
+        true => &[OnFilm::Resting, OnFilm::WithAll, OnFilm::WithAllThatMoves],
+        false => &[OnFilm::Resting],
+    };
+    for &film in others {
+        let drift = stage.drift_by(Mixture { film, ..USUAL });
+        if !known.contains(&drift) {
+            films.push(film);
+            known.push(drift);
+        }
+    }
+    films
 }
 
 /// Of all numbers of a gradient image, from its standard errors.

@@ -27,7 +27,13 @@ const OFTEN: u64 = 100_000;
 const MOVED: [f32; 3] = [1.0, 0.2, 0.4];
 
 fn mixtures() -> impl Iterator<Item = Mixture> {
-    let films = [OnFilm::Drifting, OnFilm::Resting, OnFilm::Edges];
+    let films = [
+        OnFilm::Drifting,
+        OnFilm::Resting,
+        OnFilm::WithAll,
+        OnFilm::WithAllThatMoves,
+        OnFilm::Edges,
+    ];
     let lobes = [OverLobes::Cells, OverLobes::EdgesFromRest];
     let of_film = move |film| lobes.map(|lobes| Mixture { film, lobes });
     films.into_iter().flat_map(of_film).skip(1)
@@ -325,6 +331,25 @@ fn pilots_are_as_long_as_their_jobs_are_worth() {
     };
     assert_eq!(paths(1), [1024.0; 2]);
     assert!(paths(OFTEN).iter().all(|n| *n == 16384.0));
+}
+
+/// Over a ball with smooth normals, part of which a wall hides, it pays that the film follows all; a
+/// look with few of the job's samples of a pixel would not tell.
+#[test]
+fn films_that_follow_more_are_tried_in_dense_looks() {
+    let scene = load("scenes/failures/intersecting.xml", &[]).expect("a scene");
+    let along = direction(&scene, &[("obj.translation", &[1.0, 0.0, 0.0])]);
+    let pilot = |spp: u32| {
+        let own = settings(&scene, Method::Auto, spp, 3);
+        let question = Question::Forward(&along);
+        let decided = prepared(&scene).decide_for(OFTEN, &own, &question, &Quiet);
+        decided.expect("a decision").1
+    };
+    let follows = |way: &str| way.contains("follows");
+    let dense = pilot(64);
+    assert!(follows(&dense.chosen), "{dense:?}");
+    let sparse = pilot(1024);
+    assert!(!sparse.trials.iter().any(|t| follows(&t.way)), "{sparse:?}");
 }
 
 /// With more samples differences have shorter steps, and more noise, than a pilot's.

@@ -20,6 +20,7 @@ use crate::paths::film::drift::Drift;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
+use film::drift::Follows;
 use std::sync::OnceLock;
 
 /// Changes of variables that hold the discontinuities still in cells (`docs/method.md`).
@@ -52,6 +53,11 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// What carries the film's samples, if the film follows this.
+    pub fn drift_with(&self, film: &WholeFilm, follows: Follows) -> Option<Drift> {
+        film::drift::find(&self.scene(film.view), film, follows)
+    }
+
     /// What jumps over the lobes of some lanes.
     pub fn lobes_of(&self, lanes: u32, at: &At, bounce: &Bounce, out: &mut Found) {
         if lanes & at.vertices.hit != 0 {
@@ -80,7 +86,7 @@ impl BoundaryEstimator for Cells<'_> {
     }
 
     fn drift(&self, film: &WholeFilm) -> Option<Drift> {
-        film::drift::find(&self.scene(film.view), film)
+        self.drift_with(film, Follows::WhatPays)
     }
 
     fn lobe_drift(&self, view: &SceneView) -> Option<&LobeDrift> {

@@ -32,7 +32,7 @@ const SPACING: f64 = 2.0;
 const MOST_INTERVALS: f64 = 256.0;
 
 /// A point of a surface that a node follows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Followed {
     /// Vertices of its triangle, and its barycentrics.
     pub triangle: [u32; 3],
@@ -44,7 +44,7 @@ pub struct Followed {
 }
 
 /// The nodes of a film: a grid from rim to rim, on which it rests.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DriftGrid {
     start: [f64; 2],
     /// Pixels between nodes.
@@ -54,6 +54,7 @@ pub struct DriftGrid {
 }
 
 /// What the nodes follow.
+#[derive(PartialEq)]
 pub struct Drift {
     pub grid: DriftGrid,
     pub followed: Vec<Vec<Followed>>,

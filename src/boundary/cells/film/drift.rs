@@ -8,6 +8,11 @@
 //! rests then. Where it meets a mesh with detail that sees itself (`detail`), or with fine pictures
 //! (`pictures`), it follows what it hits of that. Elsewhere the node rests. The few borders there are
 //! found for sure, and an image's noise would be worse than theirs.
+//!
+//! That is what mostly pays. Over a ball of smooth normals that rests on the film they turn by one
+//! over the cosine at which a facet is seen, and a few facets that are seen edge-on have most of the
+//! variance once samples meet them; over one of even light following costs a hundred times what it
+//! saves. So a pilot may also try to follow all, or all that moves ([`Follows`]).
 
 use super::{detail, pictures};
 use crate::boundary::search_scene::SearchScene;
@@ -21,23 +26,22 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::mem::take;
 
+/// What nodes follow of what they see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// That whose light slides over it by more than an image has noise, mostly.
+    WhatPays,
+    /// All, if any of it moves.
+    All,
+    AllThatMoves,
+}
+
 /// So many pieces, and the void among them, are many.
 const MANY: usize = 3;
 
 /// Makes the drift of a film; `None` if it rests everywhere.
-pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
-    let pieces = scene.pieces();
-    let meshes = 0..scene.view.scene.meshes.len();
-    let asks_for_detail = asks_for_detail(scene);
-    let has_detail = |mesh| {
-        scene.moving.moves_mesh(mesh)
-            && ((asks_for_detail && pieces.may_hide_itself(mesh as u32))
-                || pictures::has_any(scene.view.scene, mesh))
-    };
-    let may = scene.view.materials.any_special
-        || pieces.count() + 1 >= MANY
-        || meshes.into_iter().any(has_detail)
-        || follows_all(scene);
+pub fn find(scene: &SearchScene, film: &WholeFilm, follows: Follows) -> Option<Drift> {
+    let may = follows != Follows::WhatPays || may_pay(scene);
     if !film.filter.filter.is_continuous() || !may {
         return None;
     }
@@ -48,6 +52,7 @@ pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
         grid: &grid,
         stream: node_hits::stream(film.seed),
         per_pixel: ((columns * rows) as f64).sqrt(),
+        follows,
     };
     let nodes = grid.nodes[0] * grid.nodes[1];
     let followed: Vec<Vec<Followed>> = (0..nodes)
@@ -58,6 +63,22 @@ pub fn find(scene: &SearchScene, film: &WholeFilm) -> Option<Drift> {
     any.then_some(Drift { grid, followed })
 }
 
+/// Whether there may be anything that pays.
+fn may_pay(scene: &SearchScene) -> bool {
+    let pieces = scene.pieces();
+    let meshes = 0..scene.view.scene.meshes.len();
+    let asks_for_detail = asks_for_detail(scene);
+    let has_detail = |mesh| {
+        scene.moving.moves_mesh(mesh)
+            && ((asks_for_detail && pieces.may_hide_itself(mesh as u32))
+                || pictures::has_any(scene.view.scene, mesh))
+    };
+    scene.view.materials.any_special
+        || pieces.count() + 1 >= MANY
+        || meshes.into_iter().any(has_detail)
+        || follows_all(scene)
+}
+
 /// What nodes look with.
 struct Pilot<'a> {
     scene: &'a SearchScene<'a>,
@@ -65,6 +86,7 @@ struct Pilot<'a> {
     stream: Stream,
     /// Samples of a group along a pixel.
     per_pixel: f64,
+    follows: Follows,
 }
 
 /// What a node follows.
@@ -75,7 +97,12 @@ fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
     }
     let moves = |mesh| scene.moving.moves_mesh(mesh);
     let mut seen = NodeHits::around(scene.view, &pilot.stream, (grid, node), moves);
-    let hits = worth_following(pilot, node, &seen.directions, take(&mut seen.hits));
+    let mut hits = take(&mut seen.hits);
+    match pilot.follows {
+        Follows::WhatPays => hits = worth_following(pilot, node, &seen.directions, hits),
+        Follows::All => {}
+        Follows::AllThatMoves => hits.retain(|h| h.moves),
+    }
     if !hits.iter().any(|h| h.moves) {
         return Vec::new();
     }
