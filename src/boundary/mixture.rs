@@ -38,8 +38,6 @@ pub enum OnFilm {
     Resting,
     /// Cells on a film that drifts with all that it sees.
     WithAll,
-    /// Cells on a film that drifts with all that moves.
-    WithAllThatMoves,
     Edges,
 }
 
@@ -74,8 +72,8 @@ impl<'a> Mixed<'a> {
 
     fn on_film(&self) -> &dyn BoundaryEstimator {
         match self.mixture.film {
+            OnFilm::Drifting | OnFilm::Resting | OnFilm::WithAll => &self.cells,
             OnFilm::Edges => &self.edges,
-            _ => &self.cells,
         }
     }
 }
@@ -93,7 +91,6 @@ impl BoundaryEstimator for Mixed<'_> {
         let follows = match self.mixture.film {
             OnFilm::Drifting => Follows::WhatPays,
             OnFilm::WithAll => Follows::All,
-            OnFilm::WithAllThatMoves => Follows::AllThatMoves,
             OnFilm::Resting | OnFilm::Edges => return None,
         };
         self.cells.drift_with(film, follows)

@@ -40,7 +40,6 @@ impl Contender {
                     OnFilm::Drifting => "cells on the film",
                     OnFilm::Resting => "cells on a film at rest",
                     OnFilm::WithAll => "cells on a film that follows all it sees",
-                    OnFilm::WithAllThatMoves => "cells on a film that follows all that moves",
                     OnFilm::Edges => "edges on the film",
                 };
                 let lobes = match lobes {

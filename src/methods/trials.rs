@@ -264,7 +264,7 @@ fn drifts(stage: &Stage, is_dense: bool) -> Vec<OnFilm> {
     let mut films = Vec::new();
     let mut known = vec![stage.drift_by(USUAL)];
     let others: &[OnFilm] = match is_dense {
-        true => &[OnFilm::Resting, OnFilm::WithAll, OnFilm::WithAllThatMoves],
+        true => &[OnFilm::Resting, OnFilm::WithAll],
         false => &[OnFilm::Resting],
     };
     for &film in others {

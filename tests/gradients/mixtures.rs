@@ -31,7 +31,6 @@ fn mixtures() -> impl Iterator<Item = Mixture> {
         OnFilm::Drifting,
         OnFilm::Resting,
         OnFilm::WithAll,
-        OnFilm::WithAllThatMoves,
         OnFilm::Edges,
     ];
     let lobes = [OverLobes::Cells, OverLobes::EdgesFromRest];

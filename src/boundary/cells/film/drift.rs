@@ -11,8 +11,8 @@
 //!
 //! That is what mostly pays. Over a ball of smooth normals that rests on the film they turn by one
 //! over the cosine at which a facet is seen, and a few facets that are seen edge-on have most of the
-//! variance once samples meet them; over one of even light following costs a hundred times what it
-//! saves. So a pilot may also try to follow all, or all that moves ([`Follows`]).
+//! variance once samples meet them; over one of even light following has hundreds of times the
+//! variance of rest. So a pilot may also try to follow all ([`Follows`]).
 
 use super::{detail, pictures};
 use crate::boundary::search_scene::SearchScene;
@@ -33,7 +33,6 @@ pub enum Follows {
     WhatPays,
     /// All, if any of it moves.
     All,
-    AllThatMoves,
 }
 
 /// So many pieces, and the void among them, are many.
@@ -97,12 +96,11 @@ fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
     }
     let moves = |mesh| scene.moving.moves_mesh(mesh);
     let mut seen = NodeHits::around(scene.view, &pilot.stream, (grid, node), moves);
-    let mut hits = take(&mut seen.hits);
-    match pilot.follows {
-        Follows::WhatPays => hits = worth_following(pilot, node, &seen.directions, hits),
-        Follows::All => {}
-        Follows::AllThatMoves => hits.retain(|h| h.moves),
-    }
+    let hits = take(&mut seen.hits);
+    let hits = match pilot.follows {
+        Follows::WhatPays => worth_following(pilot, node, &seen.directions, hits),
+        Follows::All => hits,
+    };
     if !hits.iter().any(|h| h.moves) {
         return Vec::new();
     }
