@@ -141,18 +141,18 @@ fn what_uneven_surfaces_send_along_the_drift() {
             .constant_environment([1.0; 3]);
         let scene = paint(scene);
         let along = direction(&scene, &[MOVED]);
-        let mean = |seed| {
-            let all = gradient(
-                &scene,
-                &settings(&scene, Method::Reparam, 1024, seed),
-                &along,
-            );
-            all.iter().sum::<f64>() / all.len() as f64
-        };
-        let runs: Vec<f64> = (0..32).map(mean).collect();
-        let found = Estimate::mean(&runs);
-        println!("{found:?}");
-        assert!(found.z(0.0).abs() < 4.0 && found.error < 5e-4, "{found:?}");
+        let found = with_samples(1024, 5e-4, |spp| {
+            let mean = |seed| {
+                let settings = settings(&scene, Method::Reparam, spp, seed);
+                let all = gradient(&scene, &settings, &along);
+                all.iter().sum::<f64>() / all.len() as f64
+            };
+            let runs: Vec<f64> = (0..32).map(mean).collect();
+            let found = Estimate::mean(&runs);
+            println!("{spp} samples: {found:?}");
+            (found.error, found)
+        });
+        assert!(found.z(0.0).abs() < 4.0, "{found:?}");
     }
 }
 
@@ -165,22 +165,25 @@ fn of_glass() -> Scene {
     seen(|scene| scene.glass("thing", 0.3)).depth(5)
 }
 
-/// Holds `reparam` with `spp` samples to differences with four times as many, of a short step: what
-/// is full of detail does not change in proportion to a long one.
+/// Holds `reparam` with up to `spp` samples to differences with four times as many, of a short step:
+/// what is full of detail does not change in proportion to a long one.
 fn agrees(scene: &Scene, part: (&str, &[f32]), spp: u32) {
     let along = direction(scene, &[part]);
-    let ours = |seed: u64| gradient(scene, &settings(scene, Method::Reparam, spp, seed), &along);
-    let theirs = |seed: u64| {
-        let settings = settings(scene, Method::Fd, 4 * spp, 1000 + seed);
-        differences(scene, &settings, &along, 2e-3)
-    };
-    let [ours, theirs]: [Vec<Vec<f64>>; 2] = [
-        (0..16u64).map(ours).collect(),
-        (0..16u64).map(theirs).collect(),
-    ];
-    let found = Agreement::new(&ours, &theirs);
-    println!("{} {found:.4?}", part.0);
-    assert!(found.bias.error <= 0.06, "nothing can be said: {found:.4?}");
+    let found = with_samples(spp, 0.06, |spp| {
+        let ours =
+            |seed: u64| gradient(scene, &settings(scene, Method::Reparam, spp, seed), &along);
+        let theirs = |seed: u64| {
+            let settings = settings(scene, Method::Fd, 4 * spp, 1000 + seed);
+            differences(scene, &settings, &along, 2e-3)
+        };
+        let [ours, theirs]: [Vec<Vec<f64>>; 2] = [
+            (0..16u64).map(ours).collect(),
+            (0..16u64).map(theirs).collect(),
+        ];
+        let found = Agreement::new(&ours, &theirs);
+        println!("{}, {spp} samples: {found:.4?}", part.0);
+        (found.bias.error, found)
+    });
     assert!(found.holds(4.0), "reparam is off: {found:.4?}");
 }
 

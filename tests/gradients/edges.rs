@@ -16,22 +16,21 @@ const RUNS: u64 = 16;
 /// How far apart two right answers may be.
 const SIGMAS: f64 = 4.0;
 
-/// Holds `edges` to `reparam`, which other tests hold to finite differences; the standard error of
-/// the difference is at most this part of the gradient.
+/// Holds `edges` to `reparam`, which other tests hold to finite differences, with up to `spp` samples
+/// of each; the standard error of the difference is at most this part of the gradient.
 fn agree(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, resolution: f64) {
     let along = direction(scene, parts);
-    let runs = |method: Method, first: u64| -> Vec<Vec<f64>> {
-        let seeds = first..first + RUNS;
-        seeds
-            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
-            .collect()
-    };
-    let agreement = Agreement::new(&runs(Method::Edges, 1), &runs(Method::Reparam, 1000));
-    println!("{agreement:.4?}");
-    assert!(
-        agreement.bias.error < resolution,
-        "nothing can be said: {agreement:.4?}"
-    );
+    let agreement = with_samples(spp, resolution, |spp| {
+        let runs = |method: Method, first: u64| -> Vec<Vec<f64>> {
+            let seeds = first..first + RUNS;
+            seeds
+                .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
+                .collect()
+        };
+        let agreement = Agreement::new(&runs(Method::Edges, 1), &runs(Method::Reparam, 1000));
+        println!("{spp} samples: {agreement:.4?}");
+        (agreement.bias.error, agreement)
+    });
     assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
 }
 
