@@ -68,6 +68,7 @@ impl SearchScene<'_> {
             view: self.view,
             estimator: &Interior,
             drift: None,
+            edge_on: None,
             twin: 0,
         };
         let mut store = TileStore::default();

@@ -98,6 +98,21 @@ struct Swept {
     terms: Terms,
 }
 
+impl Swept {
+    /// Nothing yet.
+    fn new(stage: &Stage, wanted: &Wanted) -> Result<Self, EngineError> {
+        let scene = stage.scene;
+        let sums = stage.own_groups();
+        Ok(Self {
+            images: stage.group_images()?,
+            sums: sums
+                .map(|_| FilmSums::new(scene, &stage.parts.geometry, wanted))
+                .collect::<Result<Vec<_>, _>>()?,
+            terms: Terms::new(scene.meshes.len(), scene.textures.len()),
+        })
+    }
+}
+
 /// Traces every tile and differentiates it, given the derivative by the image.
 fn sweep_tiles(
     stage: &Stage,
@@ -111,10 +126,12 @@ fn sweep_tiles(
     let view = stage.view();
     let estimator = stage.estimator();
     let drift = stage.drift(&view, &*estimator);
+    let edge_on = stage.edge_on(&*estimator);
     let integrator = Integrator {
         view: &view,
         estimator: &*estimator,
         drift: drift.as_ref(),
+        edge_on: edge_on.as_ref(),
         twin: 0,
     };
     let sweep = BackwardSweep {
@@ -125,14 +142,7 @@ fn sweep_tiles(
         filter_follows: estimator.warp().is_some_and(Warp::filter_follows),
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
-    let sums = stage.own_groups();
-    let mut swept = Swept {
-        images: stage.group_images()?,
-        sums: sums
-            .map(|_| FilmSums::new(scene, geometry, wanted))
-            .collect::<Result<Vec<_>, _>>()?,
-        terms: Terms::new(scene.meshes.len(), scene.textures.len()),
-    };
+    let mut swept = Swept::new(stage, wanted)?;
     let scratch_bytes = TileSums::bytes_needed(scene, geometry, wanted);
     room::look_for(stage.threads() as u64 * scratch_bytes)?;
     let mut counts = Counts::default();
@@ -256,13 +266,15 @@ fn differentiate(
                 sums.end_term();
                 continue;
             }
-            let film_bars = sweep.add_path(
-                &traced.store,
-                number,
-                [packet.u, packet.v],
-                from_lanes(&lanes),
-                sums,
-            );
+            let mut path_bars = lanes;
+            for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+                if traced.leaves_out(place(lane)) {
+                    path_bars[lane] = Vec3::ZERO;
+                }
+            }
+            let at = [packet.u, packet.v];
+            let path_bars = from_lanes(&path_bars);
+            let film_bars = sweep.add_path(&traced.store, number, at, path_bars, sums);
             if let (Some(drift), Some(carried)) = (sweep.drift, &carried) {
                 let film_bars = film_bars.map(Lane::to_array);
                 let [u, v] = [packet.u, packet.v].map(Lane::to_array);
@@ -280,6 +292,7 @@ fn differentiate(
             sums.end_term();
         }
     }
+    add_facets(stage, sweep, traced, adjoint, sums);
     for sample in traced.store.film_boundary() {
         let Coordinate::Film(at) = sample.at else {
             continue;
@@ -292,6 +305,42 @@ fn differentiate(
         }
     }
     sums.take()
+}
+
+/// Adds what the paths through facets that are seen edge-on bring.
+fn add_facets(
+    stage: &Stage,
+    sweep: &BackwardSweep,
+    traced: &TracedTile,
+    adjoint: &[Rgb],
+    sums: &mut TileSums,
+) {
+    for (number, packet) in traced.facet_packets() {
+        let [u, v] = packet.at.map(Lane::to_array);
+        let at = |lane: usize| [u[lane], v[lane]].map(f64::from);
+        let bar = |lane: usize| {
+            let place = at(lane);
+            let [x, y] = [0, 1].map(|i| stage.filter.taps(i, place[i]));
+            Vec3::from(gather_point(adjoint, stage.size[0], &x, &y)) * packet.area[lane]
+        };
+        let counts = |lane: usize| packet.active >> lane & 1 == 1 && packet.area[lane] > 0.0;
+        let bars: [Vec3; LANES] = std::array::from_fn(|lane| match counts(lane) {
+            true => bar(lane),
+            false => Vec3::ZERO,
+        });
+        if bars.iter().all(|bar| *bar == Vec3::ZERO) {
+            continue;
+        }
+        let film_bars = sweep.add_path(&traced.store, number, packet.at, from_lanes(&bars), sums);
+        if let Some(drift) = sweep.drift {
+            let film_bars = film_bars.map(Lane::to_array);
+            for lane in (0..LANES).filter(|&l| counts(l)) {
+                let velocity = film_bars.map(|bars| f64::from(bars[lane]));
+                sums.add_drift(drift, at(lane), velocity, 0.0);
+            }
+        }
+        sums.end_term();
+    }
 }
 
 /// The cotangent of what each sample of a tile brings, if its weights along the axes are these.

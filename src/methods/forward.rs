@@ -3,6 +3,7 @@
 use super::clock::StageClock;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
+use super::group_images::GroupImages;
 use super::moving_samples;
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -20,7 +21,7 @@ use crate::paths::boundary_sample::Coordinate;
 use crate::paths::counts::Counts;
 use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
-use crate::paths::film::tile::{FilmPacket, TracedTile};
+use crate::paths::film::tile::TracedTile;
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
@@ -49,10 +50,12 @@ pub fn forward(
     let view = stage.view();
     let estimator = stage.estimator();
     let drift = stage.drift(&view, &*estimator);
+    let edge_on = stage.edge_on(&*estimator);
     let integrator = Integrator {
         view: &view,
         estimator: &*estimator,
         drift: drift.as_ref(),
+        edge_on: edge_on.as_ref(),
         twin: 0,
     };
     let sweep = ForwardSweep::new(&view, &motion, estimator.lobe_drift(&view));
@@ -97,6 +100,16 @@ pub fn forward(
     statistics.add_counts(&counts);
     clock.stop(&mut statistics);
 
+    finish(&stage, images, gradients, statistics)
+}
+
+/// The means of the groups, and how far these are apart.
+fn finish(
+    stage: &Stage,
+    images: GroupImages,
+    gradients: GroupImages,
+    mut statistics: Statistics,
+) -> Result<ForwardGradient, EngineError> {
     let image = stage.image(images.finish()?.0);
     let (gradient, stderr) = gradients.finish()?;
     let worst = stderr.as_deref().and_then(share_of_worst_pixels);
@@ -125,7 +138,7 @@ fn differentiate(
     let mut carried = [(); 2].map(|_| vec![[0.0; 3]; if carries { samples } else { 0 }]);
     let packets: Vec<_> = traced.packets().collect();
     for (number, packet) in packets.into_iter().enumerate() {
-        let moved = Moved::new(&packet, drift);
+        let moved = Moved::new([packet.u, packet.v], packet.active, drift);
         let moving = traced
             .store
             .samples_move()
@@ -143,7 +156,9 @@ fn differentiate(
                 traced.counts.gradient_not_finite += 1;
                 continue;
             }
-            tangents[at] = values[lane];
+            if !traced.leaves_out(at) {
+                tangents[at] = values[lane];
+            }
             if let (Some(moving), true) = (&moving, filter_follows) {
                 carried[0][at] = moving.carried[0][lane];
                 carried[1][at] = moving.carried[1][lane];
@@ -166,6 +181,7 @@ fn differentiate(
         traced.splat_by([&slopes[0], y], &carried[0], &mut block);
         traced.splat_by([x, &slopes[1]], &carried[1], &mut block);
     }
+    add_facets(stage, sweep, drift, traced, &mut block);
     for sample in traced.store.film_boundary() {
         let Coordinate::Film(at) = sample.at else {
             continue;
@@ -182,6 +198,32 @@ fn differentiate(
     block
 }
 
+/// Adds what the paths through facets that are seen edge-on bring.
+fn add_facets(
+    stage: &Stage,
+    sweep: &ForwardSweep,
+    drift: Option<&DriftVelocity>,
+    traced: &mut TracedTile,
+    block: &mut Block,
+) {
+    let mut not_finite = 0;
+    for (number, packet) in traced.facet_packets() {
+        let moved = Moved::new(packet.at, packet.active, drift);
+        let values = to_rgb(sweep.radiance_derivative(&traced.store, number, moved.film_point()));
+        let [u, v] = packet.at.map(Lane::to_array);
+        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1 && packet.area[l] > 0.0) {
+            let value = values[lane].map(|c| c * packet.area[lane]);
+            if value.iter().all(|c| c.is_finite()) {
+                let [x, y] = [(0, u), (1, v)].map(|(i, at)| stage.filter.taps(i, at[lane].into()));
+                block.add_point(&x, &y, value);
+            } else {
+                not_finite += 1;
+            }
+        }
+    }
+    traced.counts.gradient_not_finite += not_finite;
+}
+
 /// The film points of a packet, as they drift.
 struct Moved {
     at: [Lane; 2],
@@ -190,15 +232,15 @@ struct Moved {
 }
 
 impl Moved {
-    fn new(packet: &FilmPacket, drift: Option<&DriftVelocity>) -> Self {
+    fn new(at: [Lane; 2], active: u32, drift: Option<&DriftVelocity>) -> Self {
         let mut moved = Self {
-            at: [packet.u, packet.v],
+            at,
             velocity: [[0.0; LANES]; 2],
             divergence: [0.0; LANES],
         };
         let Some(drift) = drift else { return moved };
         let [u, v] = moved.at.map(Lane::to_array);
-        for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
+        for lane in (0..LANES).filter(|&l| active >> l & 1 == 1) {
             let (velocity, divergence) = drift.at([u[lane].into(), v[lane].into()]);
             moved.divergence[lane] = divergence as f32;
             for (lanes, v) in moved.velocity.iter_mut().zip(velocity) {

@@ -74,6 +74,7 @@ fn trace(
         view: &view,
         estimator: &Interior,
         drift: None,
+        edge_on: None,
         twin: 0,
     };
     let stores = Spare::new();

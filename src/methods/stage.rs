@@ -18,6 +18,7 @@ use crate::paths::dimensions::Single;
 use crate::paths::estimator::{BoundaryEstimator, Interior, WholeFilm};
 use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
+use crate::paths::film::edge_on::EdgeOnFacets;
 use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::Lattice;
 use crate::paths::light::patches::Lights;
@@ -219,6 +220,14 @@ impl<'a> Stage<'a> {
             ..self.constants
         };
         self.drift(&self.view(), &*make(adjacency, &self.moving, &constants))
+    }
+
+    /// What has samples of its own on the film, for an estimator of boundary terms.
+    pub fn edge_on(&self, estimator: &dyn BoundaryEstimator) -> Option<EdgeOnFacets> {
+        let samples_rest = self.boundary.is_some() && estimator.warp().is_none();
+        let moves = |mesh| self.moving.moves_mesh(mesh);
+        let find = || EdgeOnFacets::new(&self.parts.geometry, &self.camera, moves);
+        samples_rest.then(|| self.workers.pool.install(find))?
     }
 
     /// What carries the film's samples.

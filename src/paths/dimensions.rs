@@ -99,6 +99,9 @@ pub enum Single {
     Looks,
     /// Where such a point of the pilot looks for what is near: node, number of the look, axis.
     DriftLook,
+    /// Where a point lies on a facet that is seen edge-on: triangle, point, axis; and, as a third of
+    /// the first, whether there is one more.
+    FacetPoint,
 }
 
 /// Streams of their own, with what tells several of them apart.
@@ -116,6 +119,8 @@ pub enum Branch {
     Auxiliary,
     /// Where samples lie in kernels: use, depth, which of two twins.
     Kernel,
+    /// Paths through facets that are seen edge-on.
+    EdgeOn,
 }
 
 impl Stream {

@@ -10,6 +10,7 @@ use crate::paths::between_planes::BetweenPlanes;
 use crate::paths::bounce::{Bounce, BounceEnd};
 use crate::paths::estimator::BoundaryEstimator;
 use crate::paths::film::drift::Drift;
+use crate::paths::film::edge_on::EdgeOnFacets;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
@@ -27,6 +28,8 @@ pub struct Integrator<'a> {
     pub estimator: &'a dyn BoundaryEstimator,
     /// What carries the film's samples.
     pub drift: Option<&'a Drift>,
+    /// What has samples of its own on the film.
+    pub edge_on: Option<&'a EdgeOnFacets>,
     /// Which of two paths that share their random numbers but those of kernels.
     pub twin: u32,
 }

@@ -247,10 +247,12 @@ fn black_lobes() {
         let moved: (&str, &[f32]) = (MOVED.0, &[1e-6; 3]);
         let pairs = (0..12).map(|seed| [mean(&[still], seed), mean(&[still, moved], seed)]);
         let pairs: Vec<[f64; 2]> = pairs.collect();
-        let off = pairs.iter().map(|[a, b]| (a - b).abs()).fold(0.0, f64::max);
+        // Facets that are seen edge-on have samples of their own if they move.
+        let off = Estimate::mean(&pairs.iter().map(|[a, b]| a - b).collect::<Vec<_>>());
         let least = pairs.iter().map(|[a, _]| *a).fold(f64::MAX, f64::min);
-        println!("{off} of {least}");
-        assert!(off < 1e-3 * least, "{pairs:?}");
+        println!("{off:?} of {least}");
+        assert!(off.error < 1e-3 * least, "{pairs:?}");
+        assert!(off.z(0.0).abs() < 4.0, "{off:?} of {least}");
         let weight = random_weight(&mut Random::new(5), &scene);
         let along = direction(&scene, &[still, moved]);
         let sides = both_sides(&prepared(&scene), &along, &weight, Method::Reparam);

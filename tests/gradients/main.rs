@@ -32,6 +32,7 @@ mod long;
 mod mixtures;
 mod needs;
 mod number_by_number;
+mod outlines;
 mod refusals;
 mod second_estimator;
 mod see_through;

@@ -20,9 +20,6 @@ use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Looks at one crossing, at most: more are as good for specks, and cost time in hair.
-const MOST_LOOKS: u32 = 8;
-
 /// An interval of a line, or a part of one. Places on it go from 0 to 1.
 pub trait Cell: Copy {
     /// Which line it is of.
@@ -61,7 +58,7 @@ pub trait Cell: Copy {
     /// How many cells it stands for.
     fn weight(&self) -> f64;
 
-    /// Whether what is found in it may be looked at again: what brings nothing at a first look is
+    /// Whether silhouettes in it may be looked at again: what brings nothing at a first look is
     /// kept, then.
     fn is_looked_at_again(&self) -> bool;
 }
@@ -305,18 +302,8 @@ impl<C: Cell> Candidate<C> {
         [-self.beside, self.beside].map(|side| self.crossing.s + side)
     }
 
-    /// How many looks it is worth that is met with this chance. What is met seldom stands for many,
-    /// and the looks that all of these would have had are given to it.
-    pub fn looks(&self, chance: f64) -> u32 {
-        if self.may_jump() {
-            ((1.0 / chance) as u32).clamp(1, MOST_LOOKS)
-        } else {
-            1
-        }
-    }
-
     /// Whether another look may find a jump, where the first one has found none.
-    fn may_jump(&self) -> bool {
+    pub fn may_jump(&self) -> bool {
         self.crossing.is_silhouette()
             && self.cell.is_looked_at_again()
             && self.cell.moves(&self.crossing.boundary)

@@ -34,6 +34,8 @@ pub struct Tile {
     /// Distance between neighbours in pixels.
     pub step: [f64; 2],
     pub stream: Stream,
+    /// That all tiles of the group share.
+    pub whole: Stream,
 }
 
 /// What the samples of a tile saw: row by row.
@@ -128,6 +130,7 @@ impl Lattice {
             first: std::array::from_fn(|i| start[i] as f64 + (shift[i] as f64 - 1.0) * step[i]),
             step,
             stream,
+            whole,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 pub mod camera;
 pub mod drift;
+pub mod edge_on;
+pub mod facet_paths;
 pub mod filter;
 pub mod lattice;
 pub mod node_hits;

@@ -5,6 +5,7 @@ use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
 use crate::paths::film::drift::DriftVelocity;
+use crate::paths::film::facet_paths::{self, FacetPacket};
 use crate::paths::film::filter::{Block, FilmFilter, Taps};
 use crate::paths::film::lattice::{LatticeImage, Tile};
 use crate::paths::integrator::Integrator;
@@ -23,6 +24,10 @@ pub struct TracedTile {
     pub image: LatticeImage,
     pub counts: Counts,
     pub taps: [Vec<Taps>; 2],
+    /// Whose paths come after those of the lattice, if paths are kept.
+    facets: Vec<FacetPacket>,
+    /// Lattice points that see what has paths of its own.
+    left_out: Option<Vec<bool>>,
     /// Whether the outer rows and columns were traced.
     with_outer: bool,
 }
@@ -89,6 +94,7 @@ impl TracedTile {
             view,
             estimator,
             drift,
+            edge_on,
             ..
         } = *integrator;
         store.clear();
@@ -123,6 +129,14 @@ impl TracedTile {
                 }
             }
         }
+        let facets = match edge_on {
+            Some(facets) if keep => facet_paths::trace(facets, integrator, &tile, &mut store),
+            _ => Vec::new(),
+        };
+        let left_out = edge_on.map(|facets| {
+            let triangles = image.triangle.iter();
+            triangles.map(|&t| facets.contains(t)).collect()
+        });
         store.vertex_samples = store.found.samples.len();
         let film = FilmTile {
             view,
@@ -142,6 +156,8 @@ impl TracedTile {
             image,
             counts,
             taps,
+            facets,
+            left_out,
             with_outer: estimator.closes_lattice(),
         }
     }
@@ -149,6 +165,20 @@ impl TracedTile {
     /// The tile's packets, in the order of the store.
     pub fn packets(&self) -> impl Iterator<Item = FilmPacket> {
         packets(&self.tile, self.with_outer)
+    }
+
+    /// Whether the derivative of a lattice point's radiance is left to other paths.
+    pub fn leaves_out(&self, point: usize) -> bool {
+        self.left_out.as_ref().is_some_and(|points| points[point])
+    }
+
+    /// The packets through facets that are seen edge-on, with their numbers in the store.
+    pub fn facet_packets(&self) -> impl Iterator<Item = (usize, &FacetPacket)> {
+        let first = self.packets().count();
+        self.facets
+            .iter()
+            .enumerate()
+            .map(move |(i, p)| (first + i, p))
     }
 
     /// Adds one value a lattice point to a block.

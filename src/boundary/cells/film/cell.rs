@@ -11,7 +11,7 @@ use crate::paths::counts::Counts;
 use crate::paths::estimator::FilmTile;
 use crate::paths::moving::Sector;
 use crate::trace::geometry::NO_TRIANGLE;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// How far beside a silhouette the probes look at most, in pixels.
 const PROBE_PIXELS: f64 = 1e-3;
@@ -47,8 +47,6 @@ pub struct FilmCell<'a> {
     /// Which random numbers probes have: those of the cell, or, in crowds, of the line. What is seen
     /// on the inner sides of a thin thing's two borders, in neighbouring cells, cancels then.
     pub numbers: u32,
-    /// Whether it lies in a crowd.
-    is_crowded: bool,
 }
 
 impl<'a> LatticeCells<'a> {
@@ -90,7 +88,6 @@ impl<'a> LatticeCells<'a> {
             triangles: [at, at + 1].map(|at| self.triangle(line, at, counts)),
             weight: 1,
             numbers: 0,
-            is_crowded: false,
         }
     }
 
@@ -108,6 +105,31 @@ impl<'a> LatticeCells<'a> {
     /// Whether all points about number `at` of a line and the next that see the same mesh as these
     /// have one radiance.
     pub fn looks_alike(&self, line: LatticeLine, at: usize) -> bool {
+        let radiance = &self.film.image.radiance;
+        let first = radiance[self.index(line, at)];
+        self.all_about(line, at, |point, _| radiance[point] == first)
+    }
+
+    /// Whether each of these points has the radiance of the one of the two that sees its mesh, up to
+    /// this part of the difference between the two.
+    pub fn is_even_about(&self, line: LatticeLine, at: usize, part: f64) -> bool {
+        let radiance = |point: usize| Vec3::from(self.film.image.radiance[point]).as_dvec3();
+        let [a, b] = [at, at + 1].map(|at| radiance(self.index(line, at)));
+        let most = part * a.distance(b);
+        self.all_about(line, at, |point, [as_a, as_b]| {
+            let near = |end: DVec3| radiance(point).distance(end) <= most;
+            as_a && near(a) || as_b && near(b)
+        })
+    }
+
+    /// Whether something holds of all these points, given for each whether it sees the mesh of the
+    /// one and of the other.
+    fn all_about(
+        &self,
+        line: LatticeLine,
+        at: usize,
+        holds: impl Fn(usize, [bool; 2]) -> bool,
+    ) -> bool {
         let FilmTile {
             tile, image, view, ..
         } = *self.film;
@@ -115,8 +137,7 @@ impl<'a> LatticeCells<'a> {
             let triangle = image.triangle[point];
             (triangle != NO_TRIANGLE).then(|| view.geometry.mesh_of_triangle[triangle as usize])
         };
-        let [a, b] = [at, at + 1].map(|at| self.index(line, at));
-        let meshes = [a, b].map(mesh);
+        let meshes = [at, at + 1].map(|at| mesh(self.index(line, at)));
         let about = |number: usize, most: usize, points: usize| {
             number.saturating_sub(ABOUT)..(number + most + ABOUT).min(points)
         };
@@ -125,7 +146,8 @@ impl<'a> LatticeCells<'a> {
             let line = LatticeLine { number, ..line };
             about(at, 2, along).all(|at| {
                 let point = self.index(line, at);
-                image.radiance[point] == image.radiance[a] || !meshes.contains(&mesh(point))
+                let sees = meshes.map(|of_end| of_end == mesh(point));
+                sees == [false; 2] || holds(point, sees)
             })
         })
     }
@@ -168,7 +190,6 @@ impl<'a> LatticeCells<'a> {
 impl FilmCell<'_> {
     /// Takes it for one of a crowd: it has the random numbers of its line.
     pub fn crowd(&mut self) {
-        self.is_crowded = true;
         let [columns, rows] = self.cells.film.tile.points;
         let LatticeLine { axis, number } = self.line;
         self.numbers = (2 * columns * rows + axis * rows + number) as u32;
@@ -179,6 +200,13 @@ impl FilmCell<'_> {
         let mut at = self.start;
         at[self.line.axis] += s * self.length;
         at
+    }
+
+    /// [`LatticeCells::is_even_about`] the points on both sides of a place.
+    pub fn is_even_beside(&self, s: f64, part: f64) -> bool {
+        let last = self.cells.film.tile.points[self.line.axis] as f64 - 2.0;
+        let at = self.coordinate(s).floor().clamp(0.0, last) as usize;
+        self.cells.is_even_about(self.line, at, part)
     }
 
     /// 0 along a row, 1 along a column.
@@ -285,6 +313,6 @@ impl Cell for FilmCell<'_> {
     }
 
     fn is_looked_at_again(&self) -> bool {
-        self.is_crowded
+        true
     }
 }

@@ -4,6 +4,7 @@ pub mod cell;
 pub mod crowds;
 mod detail;
 pub mod drift;
+mod looks;
 mod pictures;
 mod rims;
 pub mod search;

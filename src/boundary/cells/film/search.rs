@@ -7,14 +7,14 @@
 //! jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is as
 //! good as a smooth one, and no kernel blurs the image.
 //!
-//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side. The two share
+//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side or more. The two share
 //! their random numbers, as a correlated pair: at an edge of a flat-shaded surface both see the
 //! same light sample, and only the normals differ.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
 use super::weights::{self, ROUNDS};
-use super::{rims, shadow_border, shadows, terminators};
+use super::{looks, rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -62,12 +62,8 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .met
         .retain(|met| film.tile.contains(met.at.cell.position(met.at.crossing.s)));
     let chances = weights::chances(&cells, &mut search, &skipped);
-    let looks: Vec<u32> = search
-        .met
-        .iter()
-        .zip(&chances)
-        .map(|(met, chance)| met.at.looks(*chance))
-        .collect();
+    let samples = film.image.radiance.len();
+    let looks = looks::looks(&search.met, &chances, samples);
     search.look_again(&looks, |number, group, directions, sides, counts| {
         let (index, stream) = (numbers(group), stream_of(number));
         look(&cells, (directions, sides), &stream, &index, counts)
