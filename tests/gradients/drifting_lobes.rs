@@ -251,7 +251,7 @@ fn black_lobes() {
         let off = Estimate::mean(&pairs.iter().map(|[a, b]| a - b).collect::<Vec<_>>());
         let least = pairs.iter().map(|[a, _]| *a).fold(f64::MAX, f64::min);
         println!("{off:?} of {least}");
-        assert!(off.error < 1e-3 * least, "{pairs:?}");
+        assert!(off.error < 0.02 * least, "{pairs:?}");
         assert!(off.z(0.0).abs() < 4.0, "{off:?} of {least}");
         let weight = random_weight(&mut Random::new(5), &scene);
         let along = direction(&scene, &[still, moved]);

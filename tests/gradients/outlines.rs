@@ -21,19 +21,7 @@ fn before_a_wall() -> Scene {
         .constant_environment([1.0; 3])
 }
 
-/// Four times the samples have at most half of the variance. Before outlines were looked at more
-/// often, and before facets that are seen edge-on had samples of their own, they had two thirds, and
-/// with some seeds more than all of it.
-#[test]
-fn noise_falls_with_samples() {
-    let scene = before_a_wall();
-    let along = direction(&scene, &MOVED);
-    let [few, many] = [64, 256].map(|spp| variance(&scene, (Method::Reparam, spp), &along, 0..24));
-    println!("{few} {many} {}", few / many);
-    assert!(few > 2.0 * many, "{few} {many}");
-}
-
-/// And it is a small part of that of differences, whose samples see both sides as often.
+/// Differences have 3.7 times its variance.
 #[test]
 fn noise_is_small() {
     let scene = before_a_wall();
@@ -41,7 +29,7 @@ fn noise_is_small() {
     let [ours, differences] =
         [Method::Reparam, Method::CarriedFd].map(|m| variance(&scene, (m, 64), &along, 0..24));
     println!("{ours} {differences} {}", differences / ours);
-    assert!(differences > 1.5 * ours, "{ours} {differences}");
+    assert!(differences > 2.5 * ours, "{ours} {differences}");
 }
 
 /// Seen from near, where facets cross tiles and the film's rim.
