@@ -15,7 +15,7 @@ comma = ,
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
 	@echo "make test           the tests"
-	@echo "make test-long      the tests, and those that take long"
+	@echo "make test-long      the tests with all their samples, and those that take long"
 	@echo "make test-mpi       the tests of optimize by many processes; installs Open MPI"
 	@echo "make test-python    the tests of python/, in an environment of its own (EXTRAS=torch,jax: those of PyTorch and JAX, too)"
 	@echo "make bench          speed, on this machine"
