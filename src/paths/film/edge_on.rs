@@ -18,7 +18,7 @@ use crate::scene::Lens;
 use crate::trace::geometry::Geometry;
 use rayon::prelude::*;
 
-/// Of a ball they are the part C² on the film, and have C² times its samples.
+/// Of a ball they are the part C² on the film, and have 2 C² times its samples; its far side as many.
 const MOST_COSINE: f64 = 0.05;
 /// Below it single precision does not hit what it aims at.
 const LEAST_COSINE: f64 = 2e-4;
