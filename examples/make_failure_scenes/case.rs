@@ -21,6 +21,8 @@ pub struct Case {
     pub defines: &'static [(&'static str, &'static str)],
     /// Defaults of the file's own `$name`s.
     pub defaults: &'static [(&'static str, &'static str)],
+    /// Samples of each image of the reference, where the usual ones leave it uncertain.
+    pub reference_spp: Option<u32>,
     /// Key and tangent, each as TOML.
     pub moves: &'static [(&'static str, &'static str)],
 }
@@ -41,6 +43,7 @@ impl Case {
             body: String::new(),
             defines: &[],
             defaults: &[],
+            reference_spp: None,
             moves: &[("obj.translation", "[1, 0, 0.3]")],
         }
     }
@@ -86,6 +89,9 @@ impl Case {
             let pairs = self.defines.iter().map(|(n, v)| format!("{n} = \"{v}\""));
             let pairs = pairs.collect::<Vec<_>>().join(", ");
             text += &format!("defines = {{ {pairs} }}\n");
+        }
+        if let Some(spp) = self.reference_spp {
+            text += &format!("[scene.reference]\nspp = {spp}\n");
         }
         text += "[scene.direction.move]\n";
         for (key, tangent) in self.moves {

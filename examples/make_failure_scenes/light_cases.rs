@@ -51,11 +51,14 @@ fn sizes() -> Vec<Case> {
             &[("half", "10"), ("power", "0.5")],
             "a light as large as the scene: its border is in every kernel",
         ),
-        shadow(
-            "blocker_small",
-            &[("side", "0.02")],
-            "a shadow thinner than its penumbra: few samples meet it",
-        ),
+        Case {
+            reference_spp: Some(2048),
+            ..shadow(
+                "blocker_small",
+                &[("side", "0.02")],
+                "a shadow thinner than its penumbra: few samples meet it",
+            )
+        },
         shadow(
             "blocker_large",
             &[("side", "1.6")],

@@ -139,6 +139,7 @@ fn single() -> Vec<Case> {
                 + &light()
                 + &sky(),
             moves: &[("obj.rotation", "[1, 0.5, 0]")],
+            reference_spp: Some(2048),
             ..Case::new(
                 "T19",
                 "open_shell",
@@ -235,11 +236,13 @@ fn several() -> Vec<Case> {
         Case {
             body: ply("obj", "blades", "true", r#"<scale value="0.9"/><translate z="-0.3"/>"#, "0.2, 0.5, 0.1") + &floor(6.0) + &sky(),
             moves: &[("obj.translation", "[1, 0, 0]")],
+            reference_spp: Some(1024),
             ..Case::new("T5", "grass", "many silhouettes in one pixel: bias by the wrong one, or noise")
         },
         Case {
             body: ply("obj", "specks", "true", r#"<scale value="1"/>"#, COLOUR) + &wall() + &sky(),
             moves: sideways,
+            reference_spp: Some(2048),
             ..Case::new("found", "specks", "things of less than a pixel are found by chance")
         },
         plane("coplanar_0", &[("gap", "0")], "overlapping cards in one plane: which is seen is up to rounding"),

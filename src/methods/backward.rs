@@ -294,11 +294,14 @@ fn differentiate(
     }
     add_facets(stage, sweep, traced, adjoint, sums);
     for sample in traced.store.film_boundary() {
-        let Coordinate::Film(at) = sample.at else {
+        let Coordinate::Film { at, half } = sample.at else {
             continue;
         };
-        let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
-        let bar = gather_point(adjoint, width, &x, &y);
+        let mut bar = [0.0; 3];
+        stage.filter.along(at, half, |share, [x, y]| {
+            let there = gather_point(adjoint, width, x, y);
+            bar = [0, 1, 2].map(|c| bar[c] + share * there[c]);
+        });
         if bar != [0.0; 3] {
             sweep.add_film_boundary(&traced.store.found, sample, bar, sums);
             sums.end_term();

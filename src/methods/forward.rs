@@ -183,14 +183,15 @@ fn differentiate(
     }
     add_facets(stage, sweep, drift, traced, &mut block);
     for sample in traced.store.film_boundary() {
-        let Coordinate::Film(at) = sample.at else {
+        let Coordinate::Film { at, half } = sample.at else {
             continue;
         };
         let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
         let value = sweep.film_boundary(&traced.store.found, sample, velocity);
         if value.iter().all(|c| c.is_finite()) {
-            let [x, y] = [0, 1].map(|i| stage.filter.taps(i, at[i]));
-            block.add_point(&x, &y, value);
+            stage.filter.along(at, half, |share, [x, y]| {
+                block.add_point(x, y, value.map(|c| c * share));
+            });
         } else {
             traced.counts.gradient_not_finite += 1;
         }

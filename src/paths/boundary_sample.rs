@@ -39,8 +39,8 @@ pub const NO_CHAIN: [u32; 2] = [0; 2];
 /// What stays fixed while the boundary moves.
 #[derive(Clone, Copy, Debug)]
 pub enum Coordinate {
-    /// Film position in pixels.
-    Film([f64; 2]),
+    /// Film position, and half of the piece of border about it for which the sample stands, in pixels.
+    Film { at: [f64; 2], half: [f64; 2] },
     /// A point in the square of a light's patch.
     Light { patch: u32, at: [f64; 2] },
     /// A world direction (unit) that keeps its place on the environment map.

@@ -26,6 +26,9 @@ pub struct ReferenceFigures {
     pub rms: Option<f64>,
     /// Root mean square of its standard errors, in units of `rms` (of 1 if there is none).
     pub noise: f64,
+    /// Runs at each step, and samples a pixel of an image of one.
+    pub runs: usize,
+    pub spp: u32,
     pub ladder: super::reference::Ladder,
 }
 

@@ -61,7 +61,7 @@ pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Fa
     atomic::sweep(&options.directory.join(gradients::FOLDER));
     let cost = |task: &Task| match journal.find(task.key) {
         Some(_) => 0,
-        None => reference::paths(task, &plan.reference) + measure::paths(task),
+        None => reference::paths(task) + measure::paths(task),
     };
     let costs: Vec<u64> = tasks.iter().map(cost).collect();
     let total: u64 = costs.iter().sum();
@@ -77,7 +77,7 @@ pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Fa
                     done += paths;
                     watch.progress.advance(done, total);
                 };
-                let row = one(task, plan, options, &Silent(watch.progress), &mut count)?;
+                let row = one(task, options, &Silent(watch.progress), &mut count)?;
                 journal.add(task.key, row.clone())?;
                 (watch.note)(&format!(
                     "{} of {}: {} {}: {} ({:.1} s)",
@@ -108,13 +108,12 @@ fn load(plan: &ScenePlan) -> Result<Scene, Failure> {
 
 fn one(
     task: &Task,
-    plan: &Plan,
     options: &Options,
     progress: &dyn Progress,
     done: &mut dyn FnMut(u64),
 ) -> Result<Row, Failure> {
     let folder = &options.references;
-    let reference = reference::obtain(task, &plan.reference, folder, progress, done)?;
+    let reference = reference::obtain(task, folder, progress, done)?;
     let measured = measure::measure(task, &reference, progress, done)?;
     gradients::write(&options.directory, task, &reference, &measured)?;
     let film = &task.scene.sensors[task.settings.sensor].film;
@@ -125,15 +124,17 @@ fn one(
         peer: task.plan.peer.clone(),
         filter: filter_name(&film.filter).into(),
         size: task.size,
-        reference: figures_of(&reference),
+        reference: figures_of(task, &reference),
         cells: measured.cells,
     })
 }
 
-fn figures_of(reference: &Reference) -> ReferenceFigures {
+fn figures_of(task: &Task, reference: &Reference) -> ReferenceFigures {
     ReferenceFigures {
         rms: reference.rms,
         noise: reference.noise() / reference.unit(),
+        runs: task.plan.effort.reference.runs,
+        spp: task.plan.effort.reference.spp,
         ladder: reference.ladder.clone(),
     }
 }

@@ -67,7 +67,7 @@ impl<'a> Task<'a> {
         let size = settings::size(&settings, scene).map(|side| side as usize);
         let mut hash = Fnv1a::default();
         let mut put = |text: String| hash.write(format!("{text}\n").as_bytes());
-        put(format!("{program} {:?}", plan.reference));
+        put(format!("{program} {:?}", of.effort.reference));
         put(format!(
             "{} {} {}",
             scene.hash, settings.seed, settings.max_depth

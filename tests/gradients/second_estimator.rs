@@ -68,7 +68,10 @@ fn sample(film: &FilmTile, edge: [u32; 2], along: f32) -> Option<BoundarySample>
         boundary,
         shadow: None,
         lane: 0,
-        at: Coordinate::Film(at.to_array()),
+        at: Coordinate::Film {
+            at: at.to_array(),
+            half: [0.0; 2],
+        },
         chain: NO_CHAIN,
         weight: [((after - before) / slope.length() * length) as f32; 3],
     })

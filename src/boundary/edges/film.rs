@@ -131,7 +131,10 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                         chain: NO_CHAIN,
                         boundary: point.boundary,
                         lane: 0,
-                        at: Coordinate::Film(point.at.to_array()),
+                        at: Coordinate::Film {
+                            at: point.at.to_array(),
+                            half: [0.0; 2],
+                        },
                         weight: brings.as_vec3().to_array(),
                         shadow: None,
                     });

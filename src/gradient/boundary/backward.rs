@@ -66,7 +66,7 @@ impl BackwardSweep<'_> {
                 Coordinate::Light { patch, at } => self.on_light(&seen, here, (patch, at), sums),
                 Coordinate::Environment(d) => self.on_environment(&seen, here, d.into(), sums),
                 Coordinate::Lobe(local) => self.on_lobe(&seen, here, local, sums),
-                Coordinate::Film(_) => LaneBars::default(),
+                Coordinate::Film { .. } => LaneBars::default(),
             };
             let sum = &mut lanes[lane];
             sum.x += added.x;
@@ -260,7 +260,7 @@ impl BackwardSweep<'_> {
         bar: Rgb,
         sums: &mut TileSums,
     ) {
-        let Coordinate::Film([u, v]) = sample.at else {
+        let Coordinate::Film { at: [u, v], .. } = sample.at else {
             return;
         };
         let camera = &self.view.camera;

@@ -44,7 +44,7 @@ impl ForwardSweep<'_> {
                 let direction = self.at_rest(here, lane, direction);
                 self.carried(here, lane, direction)
             }
-            Coordinate::Film(_) => return [0.0; 3],
+            Coordinate::Film { .. } => return [0.0; 3],
         };
         self.weighed(found, sample, (x, direction))
     }
@@ -52,7 +52,7 @@ impl ForwardSweep<'_> {
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
     /// drifts there with this velocity.
     pub fn film_boundary(&self, found: &Found, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
-        let Coordinate::Film(at) = sample.at else {
+        let Coordinate::Film { at, .. } = sample.at else {
             return [0.0; 3];
         };
         self.weighed(found, sample, self.moving_camera_ray(at, drift))

@@ -19,6 +19,28 @@ pub struct Effort {
     pub resolution: Option<[u32; 2]>,
     /// Segments; the scene's if not said.
     pub max_depth: Option<u32>,
+    pub reference: ReferencePlan,
+}
+
+/// The finite differences that all are compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferencePlan {
+    /// Samples a pixel of one image of a run.
+    pub spp: u32,
+    /// Independent runs at each step.
+    pub runs: usize,
+    /// Steps in parts of the usual one, the widest first, each half of the one before.
+    pub steps: Vec<f64>,
+}
+
+impl Default for ReferencePlan {
+    fn default() -> Self {
+        Self {
+            spp: 1024,
+            runs: 16,
+            steps: steps(1.0, 2),
+        }
+    }
 }
 
 /// What a table says of the effort, in place of what is usual.
@@ -37,12 +59,38 @@ pub fn effort(table: &Table, usual: Effort, known: &[Contestant]) -> Result<Effo
             Some(depth) => Some(depth as u32),
             None => usual.max_depth,
         },
+        reference: reference(table, usual.reference)?,
     })
 }
 
 /// How many runs a key asks for.
 pub fn runs(table: &Table, key: &str) -> Result<Option<usize>, Failure> {
     Ok(table.count(key, 2, MOST_RUNS)?.map(|runs| runs as usize))
+}
+
+fn reference(table: &Table, mut plan: ReferencePlan) -> Result<ReferencePlan, Failure> {
+    let Some(inner) = table.table("reference")? else {
+        return Ok(plan);
+    };
+    if let Some(spp) = inner.count("spp", 2, u64::from(MOST_SAMPLES))? {
+        plan.spp = spp as u32;
+    }
+    if let Some(number) = runs(&inner, "runs")? {
+        plan.runs = number;
+    }
+    // One step agrees with nothing; below a thousandth of a pixel is rounding.
+    let count = inner.count("steps", 2, 6)?;
+    let count = count.map_or(plan.steps.len(), |count| count as usize);
+    let is_width = |x: f64| (0.05..=20.0).contains(&x);
+    let what = "a number from 0.05 to 20";
+    let widest = inner.number_if("widest_step", plan.steps[0], what, is_width)?;
+    plan.steps = steps(widest, count);
+    inner.finish()?;
+    Ok(plan)
+}
+
+fn steps(widest: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|i| widest * 0.5f64.powi(i as i32)).collect()
 }
 
 fn methods(table: &Table, known: &[Contestant]) -> Result<Option<Vec<Contestant>>, Failure> {

@@ -5,16 +5,15 @@ mod effort;
 mod scene;
 
 pub use contestant::Contestant;
-pub use effort::Effort;
+pub use effort::{Effort, ReferencePlan};
 pub use scene::{DirectionPlan, ScenePlan};
 
 use crate::jobs::config::document;
 use crate::jobs::config::table::Table;
 use crate::jobs::failure::Failure;
-use crate::jobs::settings::MOST_SAMPLES;
 use crate::output::FileError;
 use crate::scene::nearest::nearest_hint;
-use effort::{effort, runs};
+use effort::effort;
 use std::path::{Path, PathBuf};
 
 /// What a study is asked to do.
@@ -24,20 +23,8 @@ pub struct Plan {
     /// A sentence or two for the page and the table.
     pub about: String,
     pub seed: u64,
-    pub reference: ReferencePlan,
     pub peers: Option<PeersPlan>,
     pub scenes: Vec<ScenePlan>,
-}
-
-/// The finite differences that all are compared with.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReferencePlan {
-    /// Samples a pixel of one image of a run.
-    pub spp: u32,
-    /// Independent runs at each step.
-    pub runs: usize,
-    /// Steps in parts of the usual one, the widest first, each half of the one before.
-    pub steps: Vec<f64>,
 }
 
 /// What other programs took.
@@ -85,6 +72,7 @@ pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
         repeats: 16,
         resolution: None,
         max_depth: None,
+        reference: ReferencePlan::default(),
     };
     let usual = effort(&table, usual, &known)?;
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
@@ -92,36 +80,10 @@ pub fn read(file: &Path, overrides: &[String]) -> Result<Plan, Failure> {
         title: table.text("title")?.unwrap_or(stem.into()),
         about: table.text("about")?.unwrap_or_default(),
         seed: table.count("seed", 0, u64::MAX >> 1)?.unwrap_or(0),
-        reference: reference(&table)?,
         peers: peers(&table, folder)?,
         scenes: scene::all(&table, folder, (&usual, &known))?,
     };
     table.finish()?;
-    Ok(plan)
-}
-
-fn reference(table: &Table) -> Result<ReferencePlan, Failure> {
-    let mut plan = ReferencePlan {
-        spp: 1024,
-        runs: 16,
-        steps: vec![1.0, 0.5],
-    };
-    let Some(inner) = table.table("reference")? else {
-        return Ok(plan);
-    };
-    if let Some(spp) = inner.count("spp", 2, u64::from(MOST_SAMPLES))? {
-        plan.spp = spp as u32;
-    }
-    if let Some(runs) = runs(&inner, "runs")? {
-        plan.runs = runs;
-    }
-    // One step agrees with nothing; below a thousandth of a pixel is rounding.
-    let count = inner.count("steps", 2, 6)?.unwrap_or(2);
-    let widest = inner.number_if("widest_step", 1.0, "a number from 0.05 to 20", |x| {
-        (0.05..=20.0).contains(&x)
-    })?;
-    plan.steps = (0..count).map(|i| widest * 0.5f64.powi(i as i32)).collect();
-    inner.finish()?;
     Ok(plan)
 }
 

@@ -37,15 +37,15 @@ pub struct Reference {
 /// Finite differences from the cache, or made now and put there. `done` counts camera paths.
 pub fn obtain(
     task: &Task,
-    plan: &ReferencePlan,
     folder: &Path,
     progress: &dyn Progress,
     done: &mut dyn FnMut(u64),
 ) -> Result<Reference, Failure> {
+    let plan = &task.plan.effort.reference;
     let shape = [plan.steps.len(), plan.runs, task.numbers()];
     let rungs = match cache::read(folder, task.reference_key, shape) {
         Some(rungs) => {
-            done(paths(task, plan));
+            done(paths(task));
             rungs
         }
         None => {
@@ -58,7 +58,8 @@ pub fn obtain(
 }
 
 /// Camera paths that making it takes.
-pub fn paths(task: &Task, plan: &ReferencePlan) -> u64 {
+pub fn paths(task: &Task) -> u64 {
+    let plan = &task.plan.effort.reference;
     let runs = plan.runs * plan.steps.len() * methods::DIFFERENCE_IMAGES;
     task.paths(plan.spp) * runs as u64
 }

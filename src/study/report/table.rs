@@ -14,13 +14,6 @@ pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
     if !plan.about.is_empty() {
         text += &format!("{}\n\n", plan.about.trim());
     }
-    let made = &plan.reference;
-    text += &format!(
-        "References: {} runs of {} samples at each of {} steps.\n\n",
-        made.runs,
-        made.spp,
-        made.steps.len()
-    );
     text += &counts(rows);
     text += "\n## What the columns say\n\n";
     text += COLUMNS;
@@ -105,8 +98,10 @@ fn reference(row: &Row) -> String {
         ),
         None => "no gradient stands out of its noise".into(),
     };
+    let [runs, spp] = [row.reference.runs, row.reference.spp as usize];
     format!(
-        "Reference, {width}×{height} pixels: {noise}; its steps {agree} ({} sigmas).\n",
+        "Reference, {runs} runs of {width}×{height} pixels × {spp} samples: {noise}; its steps \
+         {agree} ({} sigmas).\n",
         sigmas.join(", ")
     )
 }

@@ -12,9 +12,6 @@ pub fn json(plan: &Plan, rows: &[Row]) -> Result<String, Failure> {
         "title": plan.title,
         "about": plan.about,
         "seed": plan.seed,
-        "reference": {
-            "spp": plan.reference.spp, "runs": plan.reference.runs, "steps": plan.reference.steps,
-        },
         "rows": rows,
     });
     let text = serde_json::to_string_pretty(&all);

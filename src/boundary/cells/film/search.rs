@@ -5,7 +5,7 @@
 //! what the change of variables leaves is the jump of the radiance times the silhouette's speed.
 //! Rows give the speed's part along x, columns the part along y. The pixel filter multiplies the
 //! jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is as
-//! good as a smooth one, and no kernel blurs the image.
+//! good as a smooth one (`super::piece`), and no kernel blurs the image.
 //!
 //! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side or more. The two share
 //! their random numbers, as a correlated pair: at an edge of a flat-shaded surface both see the
@@ -14,7 +14,7 @@
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
 use super::weights::{self, ROUNDS};
-use super::{looks, rims, shadow_border, shadows, terminators};
+use super::{looks, piece, rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -192,12 +192,18 @@ fn sample(
     let c = boundary.normal(view.geometry, origin);
     let gradient = per_pixel.map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
-    let weight = met.jump * (velocity * tile.step[1 - axis] / chance);
+    let across = tile.step[1 - axis];
+    let weight = met.jump * (velocity * across / chance);
+    // Edges in a crowd end soon.
+    let half = match in_crowd {
+        true => [0.0; 2],
+        false => piece::half(gradient, axis, across),
+    };
     Some(BoundarySample {
         boundary,
         shadow: None,
         lane: 0,
-        at: Coordinate::Film(at),
+        at: Coordinate::Film { at, half },
         chain: NO_CHAIN,
         weight: weight.as_vec3().to_array(),
     })

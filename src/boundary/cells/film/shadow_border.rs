@@ -1,6 +1,7 @@
 //! Where a delta light's shadow ends on the film, and what that brings.
 
 use super::cell::{LatticeCells, LatticeLine};
+use super::piece;
 use crate::boundary::cells::chain::follow::normal_through;
 use crate::boundary::cells::delta::follow::Rays;
 use crate::boundary::cells::delta::value::brought;
@@ -110,13 +111,17 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
     };
     let gradient = camera.direction_per_pixel().map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
-    let weight = jump * (velocity * cells.film.tile.step[1 - axis]);
+    let across = cells.film.tile.step[1 - axis];
+    let weight = jump * (velocity * across);
     Some(BoundarySample {
         chain: NO_CHAIN,
         boundary,
         shadow: (!is_own).then_some(shadow),
         lane: 0,
-        at: Coordinate::Film(at),
+        at: Coordinate::Film {
+            at,
+            half: piece::half(gradient, axis, across),
+        },
         weight: weight.as_vec3().to_array(),
     })
 }
