@@ -293,21 +293,34 @@ fn differentiate(
         }
     }
     add_facets(stage, sweep, traced, adjoint, sums);
+    add_film_boundary(stage, sweep, traced, adjoint, sums);
+    sums.take()
+}
+
+/// Adds what jumps on the film.
+fn add_film_boundary(
+    stage: &Stage,
+    sweep: &BackwardSweep,
+    traced: &TracedTile,
+    adjoint: &[Rgb],
+    sums: &mut TileSums,
+) {
     for sample in traced.store.film_boundary() {
-        let Coordinate::Film { at, half } = sample.at else {
+        let Coordinate::Film { at, piece } = sample.at else {
             continue;
         };
-        let mut bar = [0.0; 3];
-        stage.filter.along(at, half, |share, [x, y]| {
-            let there = gather_point(adjoint, width, x, y);
-            bar = [0, 1, 2].map(|c| bar[c] + share * there[c]);
+        let mut is_done = false;
+        stage.filter.along(at, &piece, |share, at, [x, y]| {
+            let bar = gather_point(adjoint, stage.size[0], x, y).map(|c| c * share);
+            if bar != [0.0; 3] {
+                sweep.add_film_boundary(&traced.store.found, (sample, at), bar, sums);
+                is_done = true;
+            }
         });
-        if bar != [0.0; 3] {
-            sweep.add_film_boundary(&traced.store.found, sample, bar, sums);
+        if is_done {
             sums.end_term();
         }
     }
-    sums.take()
 }
 
 /// Adds what the paths through facets that are seen edge-on bring.

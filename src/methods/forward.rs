@@ -183,18 +183,19 @@ fn differentiate(
     }
     add_facets(stage, sweep, drift, traced, &mut block);
     for sample in traced.store.film_boundary() {
-        let Coordinate::Film { at, half } = sample.at else {
+        let Coordinate::Film { at, piece } = sample.at else {
             continue;
         };
-        let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
-        let value = sweep.film_boundary(&traced.store.found, sample, velocity);
-        if value.iter().all(|c| c.is_finite()) {
-            stage.filter.along(at, half, |share, [x, y]| {
-                block.add_point(x, y, value.map(|c| c * share));
-            });
-        } else {
-            traced.counts.gradient_not_finite += 1;
-        }
+        let mut is_finite = true;
+        stage.filter.along(at, &piece, |share, at, [x, y]| {
+            let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
+            let value = sweep.film_boundary(&traced.store.found, sample, at, velocity);
+            match value.iter().all(|c| c.is_finite()) {
+                true => block.add_point(x, y, value.map(|c| c * share)),
+                false => is_finite = false,
+            }
+        });
+        traced.counts.gradient_not_finite += u64::from(!is_finite);
     }
     block
 }

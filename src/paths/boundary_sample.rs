@@ -36,11 +36,29 @@ pub struct Shadow {
 /// The chain of what is seen directly.
 pub const NO_CHAIN: [u32; 2] = [0; 2];
 
+/// A straight piece of a border on the film, about a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// From its middle to where it ends, in pixels.
+    pub half: [f64; 2],
+    /// Where the border ends before and behind the middle, in such halves; what of the piece is beyond
+    /// is folded back.
+    pub ends: [f64; 2],
+}
+
+impl Piece {
+    /// The point alone.
+    pub const POINT: Self = Self {
+        half: [0.0; 2],
+        ends: [0.0; 2],
+    };
+}
+
 /// What stays fixed while the boundary moves.
 #[derive(Clone, Copy, Debug)]
 pub enum Coordinate {
-    /// Film position, and half of the piece of border about it for which the sample stands, in pixels.
-    Film { at: [f64; 2], half: [f64; 2] },
+    /// Film position in pixels, and the piece of border about it for which the sample stands.
+    Film { at: [f64; 2], piece: Piece },
     /// A point in the square of a light's patch.
     Light { patch: u32, at: [f64; 2] },
     /// A world direction (unit) that keeps its place on the environment map.

@@ -107,8 +107,26 @@ pub fn with_samples<T>(most: u32, resolution: f64, measure: impl Fn(u32) -> (f64
         }
         assert!(samples < most, "nothing can be said: ± {error}");
         let wanted = f64::from(samples) * (SPARE * off * off).max(2.0);
-        samples = (wanted as u32).next_power_of_two().min(most);
+        let power = (wanted as u32).next_power_of_two();
+        let less = power / 4 * 3;
+        let enough = if f64::from(less) >= wanted {
+            less
+        } else {
+            power
+        };
+        samples = enough.min(most);
     }
+}
+
+/// All of a list by `make test-long`, and by `make test` the first and then one in `every`: of what takes
+/// long and shows once more, with another material, say, what others have shown.
+pub fn thinned<T>(every: usize, all: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+    let every = if cfg!(feature = "all-samples") {
+        1
+    } else {
+        every
+    };
+    all.into_iter().step_by(every)
 }
 
 /// A floor that waits for a light.

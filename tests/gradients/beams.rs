@@ -126,7 +126,7 @@ fn over_lobes() {
         .solid("floor", floor(1.6, 0.0), [0.6, 0.5, 0.4])
         .solid("wall", wall, [0.8, 0.7, 0.6])
         .depth(3);
-    for scene in [projector(seen.clone()), spot(seen.clone())] {
+    for scene in thinned(2, [spot(seen.clone()), projector(seen.clone())]) {
         checked(&scene, "bulb.position", &BULB_MOVED, 512, Some(0.005));
     }
     let metal = projector(seen).metal("wall", 0.05, warpath::scene::Distribution::Ggx);

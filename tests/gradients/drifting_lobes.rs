@@ -131,7 +131,7 @@ fn what_uneven_surfaces_send_along_the_drift() {
         |scene| scene.relief("floor", Some(1.0)),
         |scene| scene.layers("floor", 0.3),
     ];
-    for paint in paints {
+    for paint in thinned(3, paints) {
         let from = vec3(0.0, -3.0, 3.0);
         let scene = scene(from, Vec3::ZERO, 9.0, [8; 2], GAUSSIAN)
             .depth(4)
@@ -189,7 +189,7 @@ fn agrees(scene: &Scene, part: (&str, &[f32]), spp: u32) {
 
 #[test]
 fn a_ball_of_metal_that_a_floor_sees() {
-    for part in [MOVED, BY_CAMERA] {
+    for part in thinned(2, [MOVED, BY_CAMERA]) {
         agrees(&metal_ball(), part, 512);
     }
 }
@@ -204,7 +204,7 @@ fn a_dented_thing_of_metal() {
 
 #[test]
 fn a_dented_thing_of_glass() {
-    for part in [MOVED, BY_CAMERA] {
+    for part in thinned(2, [MOVED, BY_CAMERA]) {
         agrees(&of_glass(), part, 256);
     }
 }
@@ -217,7 +217,7 @@ fn a_dented_thing_of_paint() {
 #[test]
 fn a_dented_thing_of_plastic() {
     let scene = seen(|scene| scene.plastic("thing", Some(0.3)));
-    for part in [MOVED, BY_CAMERA] {
+    for part in thinned(2, [MOVED, BY_CAMERA]) {
         agrees(&scene, part, 512);
     }
     agrees(&seen(|scene| scene.plastic("thing", None)), MOVED, 512);
@@ -268,7 +268,7 @@ fn dented_things_under_a_lamp() {
         |scene| scene.plastic("thing", Some(0.3)).relief("thing", None),
         |scene| scene.layers("thing", 0.3),
     ];
-    for paint in paints {
+    for paint in thinned(3, paints) {
         let lamp = ceiling(vec3(-0.3, -0.5, 1.3), 0.4);
         let scene = seen(paint).light("lamp", lamp, [5.0, 6.0, 4.0]);
         agrees(&scene, MOVED, 512);
@@ -293,7 +293,7 @@ fn a_dented_thing_of_brushed_metal() {
 
 #[test]
 fn a_dented_thing_with_a_relief() {
-    for bumps in [None, Some(0.05)] {
+    for bumps in thinned(2, [None, Some(0.05)]) {
         let turned = |paint: fn(Scene) -> Scene| seen(|s| paint(s).relief("thing", bumps));
         agrees(&turned(|scene| scene), MOVED, 512);
         agrees(&turned(|scene| scene.metal("thing", 0.3, Ggx)), MOVED, 512);
@@ -317,12 +317,13 @@ fn a_ball_of_paint() {
 #[test]
 fn a_crowd_that_a_floor_sees() {
     let turned: (&str, &[f32]) = ("thing.rotation", &[0.5, 0.8, 0.3]);
-    for part in [turned, MOVED] {
+    for part in thinned(2, [turned, MOVED]) {
         agrees(&crowd(), part, 512);
     }
 }
 
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn a_bar_of_metal_that_a_floor_sees() {
     agrees(&metal_bar(), ("thing.rotation", &[0.2, 1.0, 0.1]), 1024);
 }
@@ -353,7 +354,7 @@ fn transposition() {
 #[test]
 fn transposition_of_reliefs() {
     let painted = "thing.bsdf.brdf_0.reflectance.value";
-    for bumps in [None, Some(0.05)] {
+    for bumps in thinned(2, [None, Some(0.05)]) {
         let turned = |paint: fn(Scene) -> Scene| seen(|s| paint(s).relief("thing", bumps));
         transposed(&turned(|scene| scene), Method::Reparam, &[]);
         let metal = turned(|scene| scene.metal("thing", 0.2, Ggx));

@@ -69,7 +69,7 @@ fn shadows_beside_one_another() {
         let scene = scene(vec3(0.3, -3.4, 1.9), at, 0.3, [4; 2], GAUSSIAN);
         scene.solid("star", body(), [0.75; 3])
     };
-    for scene in [facet().constant_environment(SKY), facet().sunny()] {
+    for scene in thinned(2, [facet().constant_environment(SKY), facet().sunny()]) {
         let moved = ("star.translation", [1.0, 0.0, 0.2].as_slice());
         check(&scene, &[moved], 1024, Some(1e-3), Fails);
     }
@@ -78,6 +78,7 @@ fn shadows_beside_one_another() {
 /// The same for a lamp, whose light comes through slats. Some hide the ends of lines on it; what
 /// their edges bring nearly cancels.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn shadows_of_slats() {
     let mut slats: Shape = (Vec::new(), Vec::new());
     for i in 0..9 {

@@ -67,6 +67,7 @@ fn seen_in_a_reflection_at_a_grazing_angle() {
 /// The same body in white, whose spikes are so thin that what starts beside the edge of one may
 /// start on its other side.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn thin_wedges_seen_in_a_reflection() {
     let body = spiky(vec3(0.1, 1.9, 1.5), 0.5, [1.4, 0.7]);
     let scene = small_floor()
@@ -84,7 +85,7 @@ fn facets_seen_in_a_reflection() {
     let body = ball(3, vec3(0.1, 1.9, 1.5), 0.5);
     let solid = small_floor().solid("ball", body.clone(), [0.75; 3]);
     let smooth = small_floor().smooth("ball", body, [0.75; 3]);
-    for (scene, resolution) in [(solid, 0.02), (smooth, 0.012)] {
+    for (scene, resolution) in thinned(2, [(smooth, 0.012), (solid, 0.02)]) {
         let scene = lit(scene).depth(3).metal("floor", 0.05, Ggx);
         let moved = ("ball.translation", [1.0, 0.0, 0.2].as_slice());
         check_to(resolution, &scene, &[moved], 512, Some(0.01), Fails);
@@ -145,7 +146,8 @@ fn planes_of_triangles_are_borders() {
         .depth(3)
         .metal("ball", 0.05, Ggx);
     let across = plane.cross(along).to_array();
-    for (key, step) in [("ball.rotation", 0.01), ("ball.translation", 0.0025)] {
+    let motions = [("ball.rotation", 0.01), ("ball.translation", 0.0025)];
+    for (key, step) in thinned(2, motions) {
         check(&scene, &[(key, &across)], 4096, Some(step), Fails);
     }
 }

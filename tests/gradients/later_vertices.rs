@@ -52,6 +52,7 @@ fn check(what: &str, scene: &Scene) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn of_a_lamp() {
     let lamp = placed(
         ceiling(Vec3::ZERO, 0.2),

@@ -9,7 +9,7 @@ use glam::{DVec2, Vec3, vec3};
 use warpath::discontinuity::adjacency::Adjacency;
 use warpath::discontinuity::boundary::{Boundary, dvec3};
 use warpath::methods::{MakeBoundary, Method, Prepared};
-use warpath::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
+use warpath::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use warpath::paths::dimensions::Single;
 use warpath::paths::estimator::{BoundaryEstimator, FilmTile};
 use warpath::scene::{Filter, Scene};
@@ -70,7 +70,7 @@ fn sample(film: &FilmTile, edge: [u32; 2], along: f32) -> Option<BoundarySample>
         lane: 0,
         at: Coordinate::Film {
             at: at.to_array(),
-            half: [0.0; 2],
+            piece: Piece::POINT,
         },
         chain: NO_CHAIN,
         weight: [((after - before) / slope.length() * length) as f32; 3],

@@ -4,6 +4,7 @@
 //! variance that the runs show. The ratio's own sampling error comes from splitting the runs into
 //! batches.
 
+use common::comparison::thinned;
 use common::scenes::*;
 use common::statistics::Estimate;
 use common::{Quiet, direction, flat, settings};
@@ -153,13 +154,14 @@ fn of_groups(scene: &Scene, wanted: &Parameter, spp: u32, seed: u64) -> Stated {
 fn of_gradients() {
     let scene = tiny(GAUSSIAN);
     // A handful of numbers says less about their spread than many do.
-    for (key, samples, runs) in [
+    let cases = [
         ("block.vertex_positions", 4, 48),
         ("block.vertex_positions", 16, 24),
         ("block.vertex_positions", 64, 24),
         ("cam.rotation", 16, 160),
         ("floor.bsdf.reflectance.value", 16, 160),
-    ] {
+    ];
+    for (key, samples, runs) in thinned(2, cases) {
         let wanted = parameters::find(&scene, key).expect("a key");
         let run = |seed| of_groups(&scene, &wanted, samples, seed);
         check(&format!("{key}, {samples} samples"), ratio(runs, run));

@@ -38,6 +38,7 @@ fn a_wall_that_moves() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn points_beside_it_that_move() {
     check_to(0.06, &corner(), &FLOOR, 4096, None, Fails);
 }

@@ -15,7 +15,7 @@ use crate::boundary::probe::Sides;
 use crate::discontinuity::boundary::{Boundary, dvec3};
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
 use crate::paths::integrator::Start;
@@ -133,7 +133,7 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                         lane: 0,
                         at: Coordinate::Film {
                             at: point.at.to_array(),
-                            half: [0.0; 2],
+                            piece: Piece::POINT,
                         },
                         weight: brings.as_vec3().to_array(),
                         shadow: None,

@@ -252,17 +252,14 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// A boundary sample of the film, with the cotangent of what it adds at its place.
+    /// A boundary sample of the film at a point of its piece, with the cotangent of what it adds there.
     pub fn add_film_boundary(
         &self,
         found: &Found,
-        sample: &BoundarySample,
+        (sample, [u, v]): (&BoundarySample, [f64; 2]),
         bar: Rgb,
         sums: &mut TileSums,
     ) {
-        let Coordinate::Film { at: [u, v], .. } = sample.at else {
-            return;
-        };
         let camera = &self.view.camera;
         let seen = Seen {
             sample,

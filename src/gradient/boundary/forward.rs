@@ -50,11 +50,14 @@ impl ForwardSweep<'_> {
     }
 
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film
-    /// drifts there with this velocity.
-    pub fn film_boundary(&self, found: &Found, sample: &BoundarySample, drift: [f64; 2]) -> Rgb {
-        let Coordinate::Film { at, .. } = sample.at else {
-            return [0.0; 3];
-        };
+    /// drifts there with this velocity; at a point of its piece.
+    pub fn film_boundary(
+        &self,
+        found: &Found,
+        sample: &BoundarySample,
+        at: [f64; 2],
+        drift: [f64; 2],
+    ) -> Rgb {
         self.weighed(found, sample, self.moving_camera_ray(at, drift))
     }
 

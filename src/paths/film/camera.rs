@@ -122,6 +122,11 @@ impl Camera {
         )
     }
 
+    /// Whether a point is before the camera.
+    pub fn is_before(&self, point: DVec3) -> bool {
+        (point - self.origin.as_dvec3()).dot(self.axes[2].as_dvec3()) > 0.0
+    }
+
     /// The film point at which a point before the camera is seen.
     pub fn film_point(&self, point: DVec3) -> [f64; 2] {
         let to = point - self.origin.as_dvec3();

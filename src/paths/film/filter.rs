@@ -14,10 +14,8 @@ const MAX_REACH: usize = 9;
 #[derive(Clone, Debug)]
 pub struct FilmFilter {
     pub filter: Filter,
-    radius: f64,
+    pub(super) radius: f64,
     size: [usize; 2],
-    /// The corners of the sampled domain, in pixels.
-    domain: [[f64; 2]; 2],
     /// 1/∫h_j along each axis, a pixel at a time.
     normalisation: [Vec<f64>; 2],
 }
@@ -54,7 +52,6 @@ impl FilmFilter {
             filter,
             radius,
             size: size.map(|s| s as usize),
-            domain: [lattice.start, lattice.end].map(|corner| corner.map(f64::from)),
             normalisation,
         }
     }
@@ -72,42 +69,6 @@ impl FilmFilter {
     /// How [`FilmFilter::taps`] change with `u`.
     pub fn slopes(&self, i: usize, u: f64) -> Taps {
         self.taps_by(i, u, Filter::slope)
-    }
-
-    /// Calls with the weights along both axes on a straight piece of film about a position, `half` of
-    /// it to either side: for each stretch with the same weights, its share of the piece. What of the
-    /// piece lies beyond the sampled domain is folded back, since no piece from there reaches in. A
-    /// filter without jumps is taken where its middle is.
-    pub fn along(&self, at: [f64; 2], half: [f64; 2], mut call: impl FnMut(f32, [&Taps; 2])) {
-        let mut call_at = |share: f64, s: f64| {
-            let [x, y] = [0, 1].map(|i| self.taps(i, at[i] + s * half[i]));
-            call(share as f32, [&x, &y]);
-        };
-        if self.filter.is_continuous() || half == [0.0; 2] {
-            return call_at(1.0, 0.0);
-        }
-        // From −1 to 1, of which this lies in the domain.
-        let [mut low, mut high] = [-1.0f64, 1.0];
-        for (i, half) in half.into_iter().enumerate() {
-            let ends = [self.domain[0][i] - at[i], self.domain[1][i] - at[i]].map(|x| x / half);
-            low = low.max(ends[0].min(ends[1]));
-            high = high.min(ends[0].max(ends[1]));
-        }
-        let folded = [[low, 2.0 * low + 1.0], [2.0 * high - 1.0, high]];
-        for [mut from, end] in [[low, high]].into_iter().chain(folded) {
-            from = from.max(low);
-            let end = end.min(high);
-            while from < end {
-                // The taps change where u ± radius − ½ is whole.
-                let to = [0, 1]
-                    .into_iter()
-                    .flat_map(|i| [-1.0, 1.0].map(|side| (i, side * self.radius - 0.5)))
-                    .map(|(i, shift)| next_whole(at[i] + shift, half[i], from))
-                    .fold(end, f64::min);
-                call_at(0.5 * (to - from), 0.5 * (from + to));
-                from = to;
-            }
-        }
     }
 
     fn taps_by(&self, i: usize, u: f64, of: impl Fn(Filter, f64) -> f64) -> Taps {
@@ -158,18 +119,6 @@ impl FilmFilter {
             })
             .collect()
     }
-}
-
-/// The least s beyond `from` at which `start` + s·`slope` is whole.
-fn next_whole(start: f64, slope: f64, from: f64) -> f64 {
-    /// Stretches that are shorter bring nothing.
-    const LEAST: f64 = 1e-9;
-    if slope == 0.0 {
-        return f64::INFINITY;
-    }
-    let (beyond, up) = (start + (from + LEAST) * slope, slope > 0.0);
-    let whole = if up { beyond.ceil() } else { beyond.floor() };
-    ((whole - start) / slope).max(from + LEAST)
 }
 
 impl Taps {
@@ -364,81 +313,4 @@ pub fn gather_point(adjoint: &[Rgb], width: usize, x_taps: &Taps, y_taps: &Taps)
         }
     }
     sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIZE: [u32; 2] = [5, 4];
-
-    fn filters() -> [FilmFilter; 2] {
-        let lattice = Lattice::new(4, SIZE, 0);
-        [0.5, 0.8].map(|radius| FilmFilter::new(Filter::Box { radius }, SIZE, &lattice))
-    }
-
-    fn picture(add: impl FnOnce(&mut dyn FnMut(f32, [&Taps; 2]))) -> Vec<f32> {
-        let [width, height] = SIZE.map(|s| s as usize);
-        let mut block = Block {
-            start: [0; 2],
-            size: [width, height],
-            pixels: vec![[0.0; 3]; width * height],
-        };
-        add(&mut |share, [x, y]| block.add_point(x, y, [share; 3]));
-        block.pixels.iter().map(|p| p[0]).collect()
-    }
-
-    /// A piece is the mean of its points.
-    #[test]
-    fn a_piece_is_the_mean_of_its_points() {
-        const POINTS: usize = 4000;
-        for filter in filters() {
-            for (at, half) in [
-                ([2.3, 1.4], [0.125, 0.9]),
-                ([2.0, 1.98], [-0.6, 0.125]),
-                ([3.5, 2.5], [0.0, 0.5]),
-            ] {
-                let exact = picture(|add| filter.along(at, half, add));
-                let points = picture(|add| {
-                    for k in 0..POINTS {
-                        let s = (k as f64 + 0.5) / POINTS as f64 * 2.0 - 1.0;
-                        let [x, y] = [0, 1].map(|i| filter.taps(i, at[i] + s * half[i]));
-                        add(1.0 / POINTS as f32, [&x, &y]);
-                    }
-                });
-                for (a, b) in exact.iter().zip(&points) {
-                    assert!((a - b).abs() < 1e-3, "{at:?} {half:?}: {a} {b}");
-                }
-            }
-        }
-    }
-
-    /// Pieces about all crossings of a straight line with rows cover it evenly up to the film's
-    /// borders, in the mean over all shifts of the rows.
-    #[test]
-    fn pieces_cover_a_line_up_to_the_borders() {
-        const STEP: f64 = 0.5;
-        const SHIFTS: usize = 2000;
-        let line = |v: f64| 0.2 + 0.5 * v;
-        let cover = |filter: &FilmFilter, is_piece: bool| {
-            picture(|add| {
-                for k in 0..SHIFTS {
-                    let mut v = (k as f64 + 0.5) / SHIFTS as f64 * STEP;
-                    while v < f64::from(SIZE[1]) {
-                        let reach = if is_piece { 0.5 * STEP } else { 0.0 };
-                        filter.along([line(v), v], [0.5 * reach, reach], |share, taps| {
-                            add(share / SHIFTS as f32, taps);
-                        });
-                        v += STEP;
-                    }
-                }
-            })
-        };
-        for filter in filters() {
-            let [points, pieces] = [false, true].map(|is_piece| cover(&filter, is_piece));
-            for (a, b) in points.iter().zip(&pieces) {
-                assert!((a - b).abs() < 5e-3, "{a} {b}");
-            }
-        }
-    }
 }

@@ -7,4 +7,5 @@ pub mod facet_paths;
 pub mod filter;
 pub mod lattice;
 pub mod node_hits;
+mod stretches;
 pub mod tile;

@@ -169,6 +169,30 @@ fn other_programs_stand_in_the_charts_with_where_they_ran() {
     assert!(code == Some(3) && message.contains("p.json:"), "{message}");
 }
 
+#[test]
+fn a_scene_may_have_a_reference_of_its_own() {
+    let directory = workplace();
+    let at = directory.path();
+    let few = super::CONFIG.replace("spp = [4, 16]\nrepeats = 12\n", "spp = [4]\nrepeats = 2\n");
+    let few = few.replace("runs = 12", "runs = 2");
+    let (_, scene) = few.split_once("[[scene]]").unwrap();
+    let other = scene.replace("\"card\"\n", "\"other\"\n").replacen(
+        "[scene.direction",
+        "[scene.reference]\nspp = 8\n[scene.direction",
+        1,
+    );
+    std::fs::write(at.join("c.toml"), format!("{few}[[scene]]{other}")).unwrap();
+    let (code, message) = study(at, "study c.toml -o out --report r.md");
+    assert_eq!(code, Some(0), "{message}");
+    let all = results(at, "out");
+    let spp =
+        |row: &Value| [&row["reference"]["runs"], &row["reference"]["spp"]].map(Value::as_u64);
+    let found: Vec<_> = all["rows"].as_array().unwrap().iter().map(spp).collect();
+    assert_eq!(found, [64, 64, 8, 8].map(|spp| [2, spp].map(Some)));
+    let report = std::fs::read_to_string(at.join("r.md")).unwrap();
+    assert!(report.contains(" × 8 samples: "), "{report}");
+}
+
 /// What a battery must never show, whatever the method: numbers that are none, and blank cells.
 const SANE: &str = "[[bound]]\nat_most = { not_finite = 0, rejected_share = 1e-2 }\n";
 

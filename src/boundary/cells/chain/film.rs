@@ -4,10 +4,9 @@ use super::follow::{FirstRays, Followed, normal_through};
 use super::look::jumps;
 use super::search::{ChainSearch, Found as Border};
 use crate::boundary::cells::film::cell::{LatticeCells, LatticeLine};
-use crate::boundary::cells::film::piece;
 use crate::discontinuity::boundary::velocity_per_side;
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Piece};
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::FilmTile;
 use crate::paths::random::Stream;
@@ -159,8 +158,7 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
     let Some(velocity) = velocity_per_side(gradient, [1.0, 0.0, 1.0], line.axis) else {
         return;
     };
-    let across = tile.step[1 - line.axis];
-    let weight = jump * (velocity * across);
+    let weight = jump * (velocity * tile.step[1 - line.axis]);
     if jump == DVec3::ZERO || !weight.is_finite() {
         return;
     }
@@ -171,7 +169,7 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
         lane: 0,
         at: Coordinate::Film {
             at: position,
-            half: piece::half(gradient, line.axis, across),
+            piece: Piece::POINT,
         },
         chain,
         weight: weight.as_vec3().to_array(),

@@ -73,6 +73,29 @@ impl<'a> Crowds<'a> {
         crowded
     }
 
+    /// How far a straight way of less than a block goes on before it comes to a crowd, in parts of the
+    /// way; infinite if it does not.
+    pub fn free_way(&mut self, at: [f64; 2], way: [f64; 2], counts: &mut Counts) -> f64 {
+        let start = self.cells.film.tile.start;
+        let mut borders = [0, 1].map(|i| {
+            let blocks = (at[i] - f64::from(start[i])) / BLOCK;
+            let next = match way[i] > 0.0 {
+                true => blocks.floor() + 1.0,
+                false => blocks.ceil() - 1.0,
+            };
+            (next - blocks) * BLOCK / way[i]
+        });
+        borders.sort_by(f64::total_cmp);
+        for border in borders.into_iter().filter(|border| *border < 1.0) {
+            let beyond = border + 1e-6;
+            let place = [0, 1].map(|i| at[i] + beyond * way[i]);
+            if self.contain(place, counts) {
+                return border;
+            }
+        }
+        f64::INFINITY
+    }
+
     fn is_crowded(&self, block: [i32; 2], counts: &mut Counts) -> bool {
         let mut met = Met::default();
         for line in 0..MOST_LINES {

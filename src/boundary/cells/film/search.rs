@@ -13,8 +13,9 @@
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
+use super::piece::piece;
 use super::weights::{self, ROUNDS};
-use super::{looks, piece, rims, shadow_border, shadows, terminators};
+use super::{looks, rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
@@ -70,8 +71,8 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     });
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
-        let in_crowd = crowds.contain(met.at.cell.position(met.at.crossing.s), counts);
-        out.samples.extend(sample(&cells, met, chance, in_crowd));
+        out.samples
+            .extend(sample(&cells, met, chance, &mut crowds, counts));
     }
     chain::film::find(&cells, &stream, out);
     if film.image.hidden.is_empty() {
@@ -173,7 +174,8 @@ fn sample(
     cells: &LatticeCells,
     met: &Jump<FilmCell>,
     chance: f64,
-    in_crowd: bool,
+    crowds: &mut Crowds,
+    counts: &mut Counts,
 ) -> Option<BoundarySample> {
     if met.jump == DVec3::ZERO {
         return None;
@@ -185,7 +187,7 @@ fn sample(
     let origin = view.camera.origin.as_dvec3();
     let per_pixel = view.camera.direction_per_pixel();
     let mut boundary = crossing.boundary;
-    if in_crowd {
+    if crowds.contain(at, counts) {
         let direction = cells.direction_at(at);
         boundary = boundary.of_point(view.geometry, origin, direction, per_pixel[1 - axis]);
     }
@@ -194,16 +196,18 @@ fn sample(
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
     let across = tile.step[1 - axis];
     let weight = met.jump * (velocity * across / chance);
-    // Edges in a crowd end soon.
-    let half = match in_crowd {
-        true => [0.0; 2],
-        false => piece::half(gradient, axis, across),
-    };
+    let piece = piece(
+        (cells.film, crowds),
+        &boundary,
+        (at, gradient),
+        axis,
+        counts,
+    );
     Some(BoundarySample {
         boundary,
         shadow: None,
         lane: 0,
-        at: Coordinate::Film { at, half },
+        at: Coordinate::Film { at, piece },
         chain: NO_CHAIN,
         weight: weight.as_vec3().to_array(),
     })

@@ -1,14 +1,13 @@
 //! Where a delta light's shadow ends on the film, and what that brings.
 
 use super::cell::{LatticeCells, LatticeLine};
-use super::piece;
 use crate::boundary::cells::chain::follow::normal_through;
 use crate::boundary::cells::delta::follow::Rays;
 use crate::boundary::cells::delta::value::brought;
 use crate::boundary::cells::line_search::Cell;
 use crate::discontinuity::boundary::{Boundary, velocity_per_side};
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Shadow};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece, Shadow};
 use crate::paths::counts::Counts;
 use crate::paths::rays::from_lanes;
 use glam::{DVec3, Vec3};
@@ -111,8 +110,7 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
     };
     let gradient = camera.direction_per_pixel().map(|d| c.dot(d));
     let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
-    let across = cells.film.tile.step[1 - axis];
-    let weight = jump * (velocity * across);
+    let weight = jump * (velocity * cells.film.tile.step[1 - axis]);
     Some(BoundarySample {
         chain: NO_CHAIN,
         boundary,
@@ -120,7 +118,7 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
         lane: 0,
         at: Coordinate::Film {
             at,
-            half: piece::half(gradient, axis, across),
+            piece: Piece::POINT,
         },
         weight: weight.as_vec3().to_array(),
     })

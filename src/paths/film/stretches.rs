@@ -1,0 +1,173 @@
+//! Pixels' shares of a straight piece of film, before filters that jump.
+
+use crate::paths::boundary_sample::Piece;
+use crate::paths::film::filter::{FilmFilter, Taps};
+
+impl FilmFilter {
+    /// Calls with the share of each stretch of a piece of film in which the weights are the same, its
+    /// middle, and the weights along both axes. A filter without jumps is taken where the piece's
+    /// middle is.
+    pub fn along(
+        &self,
+        at: [f64; 2],
+        piece: &Piece,
+        mut call: impl FnMut(f32, [f64; 2], [&Taps; 2]),
+    ) {
+        let half = piece.half;
+        let mut call_at = |share: f64, s: f64| {
+            let at = [0, 1].map(|i| at[i] + s * half[i]);
+            let [x, y] = [0, 1].map(|i| self.taps(i, at[i]));
+            call(share as f32, at, [&x, &y]);
+        };
+        let [low, high] = piece.ends;
+        let is_point = half == [0.0; 2] || !(low < 0.0 && high > 0.0);
+        if self.filter.is_continuous() || is_point {
+            return call_at(1.0, 0.0);
+        }
+        fold([low, high], |from, to, density| {
+            let mut from = from;
+            while from < to {
+                // The taps change where u ± radius − ½ is whole.
+                let until = [0, 1]
+                    .into_iter()
+                    .flat_map(|i| [-1.0, 1.0].map(|side| (i, side * self.radius - 0.5)))
+                    .map(|(i, shift)| next_whole(at[i] + shift, half[i], from))
+                    .fold(to, f64::min);
+                call_at(0.5 * density * (until - from), 0.5 * (from + until));
+                from = until;
+            }
+        });
+    }
+}
+
+/// Folds the interval from −1 to 1 into one that holds zero: calls with stretches of it, and how many
+/// times each is covered.
+fn fold([low, high]: [f64; 2], mut call: impl FnMut(f64, f64, f64)) {
+    call(low.max(-1.0), high.min(1.0), 1.0);
+    // Beyond each end, back from there.
+    for (over, is_high) in [(1.0 - high, true), (1.0 + low, false)] {
+        if over <= 0.0 {
+            continue;
+        }
+        let length = high - low;
+        // Times that it goes all the way, there or back.
+        let whole = (over / length).floor();
+        if whole > 0.0 {
+            call(low, high, whole);
+        }
+        let rest = over - whole * length;
+        let at_high = is_high == (whole % 2.0 == 0.0);
+        match at_high {
+            true => call(high - rest, high, 1.0),
+            false => call(low, low + rest, 1.0),
+        }
+    }
+}
+
+/// The least s beyond `from` at which `start` + s·`slope` is whole.
+fn next_whole(start: f64, slope: f64, from: f64) -> f64 {
+    /// Stretches that are shorter bring nothing.
+    const LEAST: f64 = 1e-9;
+    if slope == 0.0 {
+        return f64::INFINITY;
+    }
+    let (beyond, up) = (start + (from + LEAST) * slope, slope > 0.0);
+    let whole = if up { beyond.ceil() } else { beyond.floor() };
+    ((whole - start) / slope).max(from + LEAST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paths::film::filter::Block;
+    use crate::paths::film::lattice::Lattice;
+    use crate::scene::Filter;
+
+    const SIZE: [u32; 2] = [5, 4];
+
+    fn filters() -> [FilmFilter; 2] {
+        let lattice = Lattice::new(4, SIZE, 0);
+        [0.5, 0.8].map(|radius| FilmFilter::new(Filter::Box { radius }, SIZE, &lattice))
+    }
+
+    fn picture(add: impl FnOnce(&mut dyn FnMut(f32, [f64; 2], [&Taps; 2]))) -> Vec<f32> {
+        let [width, height] = SIZE.map(|s| s as usize);
+        let mut block = Block {
+            start: [0; 2],
+            size: [width, height],
+            pixels: vec![[0.0; 3]; width * height],
+        };
+        add(&mut |share, _, [x, y]| block.add_point(x, y, [share; 3]));
+        block.pixels.iter().map(|p| p[0]).collect()
+    }
+
+    /// A piece is the mean of its points.
+    #[test]
+    fn a_piece_is_the_mean_of_its_points() {
+        const POINTS: usize = 4000;
+        let ends = [f64::NEG_INFINITY, f64::INFINITY];
+        for filter in filters() {
+            for (at, half) in [
+                ([2.3, 1.4], [0.125, 0.9]),
+                ([2.0, 1.98], [-0.6, 0.125]),
+                ([3.5, 2.5], [0.0, 0.5]),
+            ] {
+                let exact = picture(|add| filter.along(at, &Piece { half, ends }, add));
+                let points = picture(|add| {
+                    for k in 0..POINTS {
+                        let s = (k as f64 + 0.5) / POINTS as f64 * 2.0 - 1.0;
+                        let at = [0, 1].map(|i| at[i] + s * half[i]);
+                        let [x, y] = [0, 1].map(|i| filter.taps(i, at[i]));
+                        add(1.0 / POINTS as f32, at, [&x, &y]);
+                    }
+                });
+                for (a, b) in exact.iter().zip(&points) {
+                    assert!((a - b).abs() < 1e-3, "{at:?} {half:?}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    /// Pieces about all crossings of a straight line with rows cover it evenly up to its ends, in
+    /// the mean over all shifts of the rows; short lines, too.
+    #[test]
+    fn pieces_cover_a_line_up_to_its_ends() {
+        const STEP: f64 = 0.5;
+        const SHIFTS: usize = 4000;
+        let line = |v: f64| 0.2 + 0.5 * v;
+        let cover = |filter: &FilmFilter, reach: f64, [top, bottom]: [f64; 2]| {
+            picture(|add| {
+                for k in 0..SHIFTS {
+                    let mut v = (k as f64 + 0.5) / SHIFTS as f64 * STEP;
+                    while v < f64::from(SIZE[1]) {
+                        let piece = Piece {
+                            half: [0.5 * reach, reach],
+                            ends: [(top - v) / reach, (bottom - v) / reach],
+                        };
+                        if top < v && v < bottom {
+                            filter.along([line(v), v], &piece, |share, at, taps| {
+                                add(share / SHIFTS as f32, at, taps);
+                            });
+                        }
+                        v += STEP;
+                    }
+                }
+            })
+        };
+        for filter in filters() {
+            for ends in [
+                [0.0, 4.0],
+                [0.9, 3.2],
+                [1.95, 2.1],
+                [1.98, 2.01],
+                [3.8, 4.0],
+            ] {
+                let [points, pieces] = [1e-9, 0.5 * STEP].map(|reach| cover(&filter, reach, ends));
+                assert!(points.iter().any(|p| *p > 0.0));
+                for (a, b) in points.iter().zip(&pieces) {
+                    assert!((a - b).abs() < 2e-3, "{ends:?}: {a} {b}");
+                }
+            }
+        }
+    }
+}
