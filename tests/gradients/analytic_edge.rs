@@ -106,8 +106,8 @@ fn truth(scene: &Scene, filter: Filter, motion: impl Fn(DVec3, f64) -> DVec3) ->
         // The filters reach two pixels beyond the film.
         let v =
             -f64::from(EDGE_FILM) + (f64::from(k) + 0.5) * f64::from(EDGE_FILM) / f64::from(steps);
-        let speed = derivative(|t| edge_at(&scene, v, |p| motion(p, t)));
-        let at = edge_at(&scene, v, |p| p);
+        let speed = derivative(|t| edge_at(scene, v, |p| motion(p, t)));
+        let at = edge_at(scene, v, |p| p);
         for (j, value) in truth.iter_mut().enumerate() {
             let [x, y] = [j % size, j / size].map(|i| i as f64 + 0.5);
             let weight = filter_weight(filter, at - x) * filter_weight(filter, v - y);
