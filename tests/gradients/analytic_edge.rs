@@ -180,7 +180,7 @@ fn a_straight_edge_before_a_box_has_no_noise() {
         // Within the film; at its border the last piece is where the lattice's shift has put it.
         for (j, (found, truth)) in run.iter().step_by(3).zip(&truth).enumerate() {
             if (1..size - 1).contains(&(j / size)) {
-                let off = (f64::from(*found) - truth).abs();
+                let off = (found - truth).abs();
                 assert!(off < 1e-3 * largest, "pixel {j}: {found}, truth {truth}");
             }
         }
