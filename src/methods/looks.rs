@@ -73,11 +73,6 @@ impl Job {
         self.pixels * f64::from(self.spp)
     }
 
-    /// What a look of so many paths has of one job.
-    pub fn share_of(&self, paths: f64) -> f64 {
-        paths / self.paths()
-    }
-
     /// Paths of a look that is taken to see enough.
     pub fn whole_look(&self) -> f64 {
         WHOLE_PATHS.max(WHOLE_SHARE * self.paths())

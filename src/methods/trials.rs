@@ -25,11 +25,6 @@ const USUAL: Mixture = Mixture {
 
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
-/// The same where only a short look at what is usual was taken, and a longer one costs less than this
-/// part of what differences would. Short looks miss much of what a few paths have, and may meet one
-/// of them that the job has seldom.
-const CLEARLY_IN_SHORT: f64 = 3.0;
-const CHEAP: f64 = 0.125;
 /// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and 2.3
 /// in meshes of 150,000 and 360,000 vertices.
 const DISPLACED_VERTEX_US: f64 = 0.375;
@@ -199,11 +194,7 @@ impl<'a> Trials<'a> {
         let paths = later.unwrap_or(self.job.first_look());
         self.run_differences(paths)?;
         let is_whole = self.done.usual().paths == self.job.whole_look();
-        let bound = match is_whole {
-            true => CLEARLY,
-            false if self.is_cheap(paths) => CLEARLY_IN_SHORT,
-            false => 1.0,
-        };
+        let bound = if is_whole { CLEARLY } else { 1.0 };
         if later.is_none() || self.done.differences_promise(bound) {
             return Ok(());
         }
@@ -214,13 +205,6 @@ impl<'a> Trials<'a> {
             }
         }
         self.run_mixtures()
-    }
-
-    /// Whether a look at the usual with so many paths is little work beside the job by differences.
-    fn is_cheap(&self, paths: f64) -> bool {
-        let look = self.done.usual().work * self.job.share_of(paths);
-        let differences = self.done.differences();
-        differences.is_some_and(|by| look < CHEAP * by.work)
     }
 
     /// What has the least noise for its work, and how that was found.

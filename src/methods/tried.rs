@@ -58,21 +58,16 @@ impl AllTried {
         &self.tried[0]
     }
 
-    /// Differences, if they were tried.
-    pub fn differences(&self) -> Option<&Tried> {
-        self.least(true)
-    }
-
     /// Whether differences promise more than so many times the efficiency of what is usual.
     pub fn differences_promise(&self, times: f64) -> bool {
-        let differences = self.differences();
+        let differences = self.least(true);
         differences.is_some_and(|it| it.cost() * times < self.usual().cost())
     }
 
     /// What has the least noise for its work.
     pub fn best(&self) -> Contender {
         let ours = self.best_mixture();
-        match self.differences() {
+        match self.least(true) {
             Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < ours.cost() => it.way,
             _ => ours.way,
         }

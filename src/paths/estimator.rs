@@ -20,6 +20,7 @@ use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 use crate::paths::warp::seam::Warp;
+use crate::scene::Filter;
 
 /// Finds what jumps in the integrals along paths. Every method has a default that finds nothing.
 pub trait BoundaryEstimator: Sync {
@@ -87,6 +88,7 @@ pub struct FilmTile<'a> {
     pub view: &'a SceneView<'a>,
     pub tile: &'a Tile,
     pub image: &'a LatticeImage,
+    pub filter: Filter,
     pub drift: Option<&'a Drift>,
 }
 

@@ -4,9 +4,8 @@ use crate::paths::boundary_sample::Piece;
 use crate::paths::film::filter::{FilmFilter, Taps};
 
 impl FilmFilter {
-    /// Calls with the share of each stretch of a piece of film in which the weights are the same, its
-    /// middle, and the weights along both axes. A filter without jumps is taken where the piece's
-    /// middle is.
+    /// Calls with the share of each stretch of a piece of film in which the weights of a box are the
+    /// same, its middle, and the weights along both axes.
     pub fn along(
         &self,
         at: [f64; 2],
@@ -21,7 +20,7 @@ impl FilmFilter {
         };
         let [low, high] = piece.ends;
         let is_point = half == [0.0; 2] || !(low < 0.0 && high > 0.0);
-        if self.filter.is_continuous() || is_point {
+        if is_point {
             return call_at(1.0, 0.0);
         }
         fold([low, high], |from, to, density| {

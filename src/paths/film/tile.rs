@@ -142,6 +142,7 @@ impl TracedTile {
             view,
             tile: &tile,
             image: &image,
+            filter: filter.filter,
             drift,
         };
         estimator.film(&film, &mut store.found);

@@ -78,6 +78,9 @@ impl<'a> Crowds<'a> {
     pub fn free_way(&mut self, at: [f64; 2], way: [f64; 2], counts: &mut Counts) -> f64 {
         let start = self.cells.film.tile.start;
         let mut borders = [0, 1].map(|i| {
+            if way[i] == 0.0 {
+                return f64::INFINITY;
+            }
             let blocks = (at[i] - f64::from(start[i])) / BLOCK;
             let next = match way[i] > 0.0 {
                 true => blocks.floor() + 1.0,

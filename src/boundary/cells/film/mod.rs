@@ -6,7 +6,7 @@ mod detail;
 pub mod drift;
 mod looks;
 mod pictures;
-pub mod piece;
+mod piece;
 mod rims;
 pub mod search;
 mod shadow_border;

@@ -29,7 +29,8 @@ use crate::paths::estimator::FilmTile;
 const LONGEST: f64 = 1.0;
 
 /// The piece about the place `at` where a boundary crosses a line along `axis`, with ∇F on the film
-/// there. A point for what is no edge.
+/// there. A point for what is no edge, and before a filter
+/// without jumps, whose weights sum up well over points.
 pub fn piece(
     (film, crowds): (&FilmTile, &mut Crowds),
     boundary: &Boundary,
@@ -40,6 +41,9 @@ pub fn piece(
     let &Boundary::Edge(vertices) = boundary else {
         return Piece::POINT;
     };
+    if film.filter.is_continuous() {
+        return Piece::POINT;
+    }
     let (tile, view) = (film.tile, film.view);
     let across = 1 - axis;
     let slope = -gradient[across] / gradient[axis];
