@@ -23,6 +23,8 @@ pub struct Case {
     pub defaults: &'static [(&'static str, &'static str)],
     /// Samples of each image of the reference, where the usual ones leave it uncertain.
     pub reference_spp: Option<u32>,
+    /// The wider of the reference's steps in parts of the usual one, where that is too wide.
+    pub reference_step: Option<f64>,
     /// Key and tangent, each as TOML.
     pub moves: &'static [(&'static str, &'static str)],
 }
@@ -44,6 +46,7 @@ impl Case {
             defines: &[],
             defaults: &[],
             reference_spp: None,
+            reference_step: None,
             moves: &[("obj.translation", "[1, 0, 0.3]")],
         }
     }
@@ -90,8 +93,14 @@ impl Case {
             let pairs = pairs.collect::<Vec<_>>().join(", ");
             text += &format!("defines = {{ {pairs} }}\n");
         }
+        if self.reference_spp.is_some() || self.reference_step.is_some() {
+            text += "[scene.reference]\n";
+        }
         if let Some(spp) = self.reference_spp {
-            text += &format!("[scene.reference]\nspp = {spp}\n");
+            text += &format!("spp = {spp}\n");
+        }
+        if let Some(step) = self.reference_step {
+            text += &format!("widest_step = {step}\n");
         }
         text += "[scene.direction.move]\n";
         for (key, tangent) in self.moves {
