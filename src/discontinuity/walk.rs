@@ -203,7 +203,7 @@ pub fn walk_among(
 }
 
 /// Below this [`bend`] two triangles lie in one plane, and their common edge is not looked at.
-pub(super) const FLAT: f64 = 1e-10;
+pub const FLAT: f64 = 1e-10;
 
 /// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as
 /// many as leave each about as much to bring: the part of a hemisphere that lies between two planes

@@ -118,6 +118,22 @@ fn in_a_rough_mirror() {
     agree(&scene, &[("ball.translation", &MOVED)], 256, 0.05);
 }
 
+/// A coarse ball that turns about its middle: what its facets' horizons bring is about the opposite
+/// of what the edges between them do.
+#[test]
+fn horizons_of_facets() {
+    let turning = scene(vec3(0.3, -4.0, 1.0), Vec3::ZERO, 24.0, [12, 12], GAUSSIAN).smooth(
+        "ball",
+        ball(2, Vec3::ZERO, 0.7),
+        [0.3, 0.5, 0.7],
+    );
+    let turns: [(&str, &[f32]); 1] = [("ball.rotation", &[1.0, 0.5, 0.0])];
+    let lamp = ceiling(vec3(-1.0, -1.0, 2.5), 0.4);
+    let under_a_lamp = turning.clone().light("lamp", lamp, [30.0; 3]);
+    agree(&under_a_lamp, &turns, 256, 0.05);
+    agree(&turning.sunny(), &turns, 256, 0.05);
+}
+
 /// ⟨J·v, w⟩ = ⟨v, Jᵀ·w⟩.
 #[test]
 fn forward_and_backward_are_transposes() {

@@ -4,7 +4,7 @@
 use super::directions::{Directions, Part};
 use super::point::EdgePoint;
 use super::sources::Edges;
-use super::surface::beside;
+use super::surface::{EdgePoints, beside, horizons};
 use crate::discontinuity::boundary::vector;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
@@ -54,30 +54,58 @@ pub fn find(edges: &Edges, at: &At, draw: &LightDraw, out: &mut Found) {
         &mut out.counts,
     );
     let points = points.map(|point| point.filter(|p| p.open_side.is_some()));
-    let (active, directions) = beside(&points, |p| p.open_side.unwrap_or(1.0));
-    if active == 0 {
-        return;
-    }
-    let toward = from_lanes(&directions);
-    let rays = view.leaving(surface.x, surface.geometric, toward, active);
-    out.counts.light_cell += u64::from(active.count_ones());
-    let seen = view.intersect(&rays, Coherence::Incoherent);
-    for (lane, point) in points.iter().enumerate() {
-        let (Some(point), triangle) = (point, seen[lane]) else {
-            continue;
-        };
-        if triangle == NO_TRIANGLE {
-            continue;
-        }
-        let mesh = view.geometry.mesh_of_triangle[triangle as usize] as usize;
+    let seen = beyond(at, &points, out);
+    let below = turned(&points, horizons(&points));
+    let seen_below = beyond(at, &below, out);
+    for lane in 0..LANES {
         let light = light_of(lane);
         let chance = lights.around[light as usize].chance;
-        if view.lights.of_mesh[mesh] == Some(light)
-            && let Some(&patch) = lights.patch_of.get(&triangle)
+        let met = |triangle: u32| {
+            let mesh = view.geometry.mesh_of_triangle.get(triangle as usize)?;
+            let is_own = view.lights.of_mesh[*mesh as usize] == Some(light);
+            let patch = is_own.then(|| lights.patch_of.get(&triangle))??;
+            Some((triangle, *patch, chance))
+        };
+        // A light that is seen on both sides of a horizon is not hidden by it.
+        match [(points[lane], seen[lane]), (below[lane], seen_below[lane])]
+            .map(|(point, triangle)| Some((point?, met(triangle)?)))
         {
-            push_light(at, lane, point, (triangle, patch, chance), out);
+            [Some((point, lit)), None] | [None, Some((point, lit))] => {
+                push_light(at, lane, &point, lit, out);
+            }
+            _ => {}
         }
     }
+}
+
+/// What is seen from the lanes on the open sides of the points; [`NO_TRIANGLE`] in others.
+fn beyond(at: &At, points: &EdgePoints, out: &mut Found) -> [u32; LANES] {
+    let (active, directions) = beside(points, |p| p.open_side.unwrap_or(1.0));
+    if active == 0 {
+        return [NO_TRIANGLE; LANES];
+    }
+    let surface = at.surface;
+    let toward = from_lanes(&directions);
+    let rays = at
+        .view
+        .leaving(surface.x, surface.geometric, toward, active);
+    out.counts.light_cell += u64::from(active.count_ones());
+    let seen = at.view.intersect(&rays, Coherence::Incoherent);
+    std::array::from_fn(|lane| match active >> lane & 1 {
+        1 => seen[lane],
+        _ => NO_TRIANGLE,
+    })
+}
+
+/// The points of some lanes, with what lies below in the place of what lies above.
+fn turned(points: &EdgePoints, lanes: u32) -> EdgePoints {
+    std::array::from_fn(|lane| {
+        let point = points[lane].filter(|_| lanes >> lane & 1 == 1)?;
+        Some(EdgePoint {
+            open_side: point.open_side.map(|side| -side),
+            ..point
+        })
+    })
 }
 
 fn push_light(
@@ -145,19 +173,27 @@ pub fn find_before_map(edges: &Edges, at: &At, out: &mut Found) {
         &mut out.counts,
     );
     let points = points.map(|point| point.filter(|p| p.open_side.is_some()));
-    let (active, directions) = beside(&points, |p| p.open_side.unwrap_or(1.0));
-    if active == 0 {
-        return;
-    }
-    let toward = from_lanes(&directions);
-    let rays = view.leaving(surface.x, surface.geometric, toward, active);
-    let free = view.unoccluded(&rays, &mut out.counts.environment_cell);
-    for (lane, point) in points.iter().enumerate() {
-        if let (Some(point), true) = (point, free >> lane & 1 == 1) {
+    let below = turned(&points, horizons(&points));
+    let [free, free_below] = [&points, &below].map(|points| {
+        let (active, directions) = beside(points, |p| p.open_side.unwrap_or(1.0));
+        if active == 0 {
+            return 0;
+        }
+        let toward = from_lanes(&directions);
+        let rays = view.leaving(surface.x, surface.geometric, toward, active);
+        view.unoccluded(&rays, &mut out.counts.environment_cell)
+    });
+    for lane in 0..LANES {
+        let point = match [free, free_below].map(|free| free >> lane & 1 == 1) {
+            [true, false] => points[lane],
+            [false, true] => below[lane],
+            _ => None,
+        };
+        if let Some(point) = point {
             let d = from_lanes(&[point.direction.as_vec3(); LANES]);
             let radiance = lane_of(view.environment_radiance(environment, d), lane);
             let place = Coordinate::Environment(point.direction.to_array());
-            push(at, lane, point, (radiance.as_dvec3(), place), out);
+            push(at, lane, &point, (radiance.as_dvec3(), place), out);
         }
     }
 }

@@ -6,11 +6,11 @@
 //! missed because it is small, and no weight grows with what stands beside an edge; but an edge is
 //! drawn whether something hides it or not, and where a vertex has many about it, few matter.
 //!
-//! The plane of the triangle that a vertex lies on is no edge: what jumps there, below the horizon of
-//! a shading normal, is left out.
+//! The plane of the triangle that a vertex lies on is a border, too, where smooth normals lean over it.
 
 mod directions;
 mod film;
+mod horizon;
 pub mod intersections;
 mod light;
 mod lights;

@@ -28,7 +28,7 @@ pub struct EdgePoint {
     pub open_side: Option<f64>,
     /// Toward it from the vertex, unit.
     pub direction: DVec3,
-    /// Toward it from where rays leave the vertex, of full length.
+    /// Toward it from where rays leave the vertex, of full length; of any length at a horizon.
     pub way: DVec3,
     /// Across the edge, unit, toward F > 0.
     pub across: DVec3,
@@ -36,10 +36,13 @@ pub struct EdgePoint {
     pub beside_rad: f64,
     /// What a jump brings, from the side of F < 0 to the other, per unit of Ḟ.
     pub per_side: f64,
+    /// Whether it is one of the plane of the vertex's own triangle. Nothing stands before that, and
+    /// what is below may be as open as what is above.
+    pub is_horizon: bool,
 }
 
 impl EdgePoint {
-    /// Draws one by two uniform numbers.
+    /// Draws one of an edge by two uniform numbers.
     pub fn draw(
         set: &EdgeSet,
         geometry: &Geometry,
@@ -74,6 +77,7 @@ impl EdgePoint {
             across: boundary.normal(geometry, start).normalize(),
             beside_rad: beside.min(MOST_BESIDE),
             per_side: angle / (drawn.chance * c.length()),
+            is_horizon: false,
         };
         let is_good = found.per_side.is_finite()
             && found.across.is_finite()

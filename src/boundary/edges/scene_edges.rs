@@ -7,7 +7,7 @@
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::texture_edges;
-use crate::discontinuity::walk::{Bend, bend_at};
+use crate::discontinuity::walk::{Bend, FLAT, bend_at};
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 use std::ops::Range;
@@ -164,16 +164,21 @@ impl SceneEdges {
     }
 
     /// On which side of the plane through `o` and the edge its triangles lie, as the sign of F;
-    /// `None` if they lie on both: then the surface goes on.
+    /// `None` if they lie on both: then the surface goes on. `None` too if one lies in that plane, as
+    /// a triangle does from each of its own points: that is their horizon (`boundary::edges::horizon`).
     pub fn side(&self, geometry: &Geometry, edge: &SceneEdge, o: DVec3) -> Option<f64> {
         let c = Boundary::Edge(edge.ends).normal(geometry, o);
+        let flat = FLAT * c.length_squared();
+        let at = |v: u32| geometry.positions[v as usize].as_dvec3();
+        let end = at(edge.ends[0]);
         let thirds = &self.thirds[edge.thirds.start as usize..edge.thirds.end as usize];
         let mut sides = thirds.iter().map(|&v| {
-            let height = c.dot(geometry.positions[v as usize].as_dvec3() - o);
-            if height < 0.0 { -1.0 } else { 1.0 }
+            let way = at(v) - end;
+            let height = c.dot(way);
+            (height * height > flat * way.length_squared()).then_some(height.signum())
         });
-        let first = sides.next()?;
-        sides.all(|side| side == first).then_some(first)
+        let first = sides.next()??;
+        sides.all(|side| side == Some(first)).then_some(first)
     }
 }
 

@@ -2,6 +2,7 @@
 //! nothing stands are kept.
 
 use super::directions::Directions;
+use super::horizon::Horizon;
 use super::point::EdgePoint;
 use super::sources::Edges;
 use crate::boundary::occlusion::SurfacePoint;
@@ -69,19 +70,32 @@ impl Edges<'_> {
                 f64::from(numbers.stream.single(user, name))
             };
             let point = SurfacePoint::of_lane(at, lane);
-            let [which, along] = [0, 1].map(number);
             let share = 1.0 / f64::from(draws[lane]);
-            let numbers = [(f64::from(part) + which) * share, along];
-            let drawn = EdgePoint::draw(set, view.geometry, &directions, &point, numbers)?;
+            let [which, along] = [0, 1].map(number);
+            let which = (f64::from(part) + which) * share;
+            // Of a point that rests the horizon does, too.
+            let horizon = (moves >> lane & 1 == 1)
+                .then(|| Horizon::new(view, &directions, &point))
+                .flatten();
+            let of_edges = 1.0 - horizon.as_ref().map_or(0.0, |horizon| horizon.chance);
+            let geometry = view.geometry;
+            let (drawn, share) = if which < of_edges {
+                let numbers = [which / of_edges, along];
+                let drawn = EdgePoint::draw(set, geometry, &directions, &point, numbers);
+                (drawn?, share / of_edges)
+            } else {
+                (horizon?.draw(geometry, &directions, along)?, share)
+            };
             Some(EdgePoint {
                 per_side: drawn.per_side * share,
                 ..drawn
             })
         });
         let mut ends = [Vec3::ZERO; LANES];
-        let mut active = 0;
+        let (mut active, mut open) = (0, 0);
         for (lane, found) in points.iter().enumerate() {
             if let Some(found) = found {
+                open |= u32::from(found.is_horizon) << lane;
                 let point = SurfacePoint::of_lane(at, lane);
                 let start = point.leave(found.way).as_dvec3();
                 ends[lane] = found.end(start).as_vec3();
@@ -89,8 +103,13 @@ impl Edges<'_> {
             }
         }
         let surface = at.surface;
-        let rays = view.toward(surface.x, surface.geometric, from_lanes(&ends), active);
-        let seen = view.unoccluded(&rays, &mut counts.edge);
+        let rays = view.toward(
+            surface.x,
+            surface.geometric,
+            from_lanes(&ends),
+            active & !open,
+        );
+        let seen = view.unoccluded(&rays, &mut counts.edge) | open;
         for (lane, point) in points.iter_mut().enumerate() {
             if seen >> lane & 1 == 0 {
                 *point = None;
@@ -98,6 +117,14 @@ impl Edges<'_> {
         }
         points
     }
+}
+
+/// Lanes whose point is one of a horizon.
+pub fn horizons(points: &EdgePoints) -> u32 {
+    let is_one = |lane: &usize| points[*lane].is_some_and(|point| point.is_horizon);
+    (0..LANES)
+        .filter(is_one)
+        .fold(0, |bits, lane| bits | 1 << lane)
 }
 
 /// Which lanes have one, and the directions beside it on one side in each.
