@@ -28,6 +28,8 @@ const LEAST_PATHS: f64 = 1024.0;
 /// What a first look has in all that will be done, and later ones.
 const FIRST_SHARE: f64 = 1.0 / 256.0;
 const LATER_SHARE: f64 = 1.0 / 32.0;
+/// A look that is so many times as long as another tells far more.
+const TELLS_MORE: f64 = 4.0;
 /// So many differences, one for each number, cost about what paths do.
 const AS_DEAR: f64 = 8.0;
 
@@ -89,6 +91,12 @@ impl Job {
         (paths > LEAST_PATHS).then_some(paths)
     }
 
+    /// Whether a later look tells far more than a first, at a small part of the job.
+    pub fn later_tells_more(&self) -> bool {
+        let later = self.later_look();
+        later.is_some_and(|paths| paths >= TELLS_MORE * self.first_look())
+    }
+
     /// A share of all that will be done in paths, at most a whole look.
     fn share(&self, share: f64) -> f64 {
         let dear = (self.differences as f64).min(AS_DEAR);
@@ -111,7 +119,10 @@ impl Look {
         };
         let of_group = settings.spp / settings.groups().count;
         let [least, most] = [least, SAMPLES[1]].map(|n| n.min(of_group).max(1));
-        let samples = ((paths / job.pixels) as u32 / count).clamp(least, most);
+        let of_pixel = (paths / job.pixels) as u32;
+        let samples = (of_pixel / count).clamp(least, most);
+        // A group's samples lie as those of the job's, so a small film has more groups.
+        let count = count.max(of_pixel / samples);
         let spp = samples * count;
         let part = (paths / (job.pixels * f64::from(spp))).min(1.0);
         let settings = Settings {

@@ -194,7 +194,11 @@ impl<'a> Trials<'a> {
         let paths = later.unwrap_or(self.job.first_look());
         self.run_differences(paths)?;
         let is_whole = self.done.usual().paths == self.job.whole_look();
-        let bound = if is_whole { CLEARLY } else { 1.0 };
+        // What a first look of few paths says by less than that is worth another.
+        let bound = match is_whole || self.job.later_tells_more() {
+            true => CLEARLY,
+            false => 1.0,
+        };
         if later.is_none() || self.done.differences_promise(bound) {
             return Ok(());
         }
