@@ -4,6 +4,7 @@ use crate::boundary::surroundings::Surroundings;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
+use crate::discontinuity::outline::Corners;
 use crate::discontinuity::pieces::Pieces;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
@@ -29,6 +30,7 @@ pub struct SearchScene<'a> {
 #[derive(Default)]
 pub struct Things {
     pieces: OnceLock<Pieces>,
+    corners: OnceLock<Corners>,
     surroundings: OnceLock<Surroundings>,
 }
 
@@ -37,6 +39,12 @@ impl SearchScene<'_> {
     pub fn pieces(&self) -> &Pieces {
         let find = || Pieces::new(self.view.geometry, self.adjacency);
         self.things.pieces.get_or_init(find)
+    }
+
+    /// Which triangles vertices are of.
+    pub fn corners(&self) -> &Corners {
+        let find = || Corners::new(self.view.geometry);
+        self.things.corners.get_or_init(find)
     }
 
     /// What lanes may be close to.

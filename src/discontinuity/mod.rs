@@ -7,6 +7,7 @@ pub mod between;
 pub mod boundary;
 pub mod crossing;
 pub mod facets;
+pub mod outline;
 pub mod pencil;
 pub mod pieces;
 pub mod texture_edges;

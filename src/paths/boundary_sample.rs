@@ -36,28 +36,27 @@ pub struct Shadow {
 /// The chain of what is seen directly.
 pub const NO_CHAIN: [u32; 2] = [0; 2];
 
-/// A straight piece of a border on the film, about a point.
+/// A straight piece of a border on the film, which stands for a length of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// From its middle to where it ends, in pixels.
+    /// A length of one along it, in pixels; zero for a point.
     pub half: [f64; 2],
-    /// Where the border ends before and behind the middle, in such halves; what of the piece is beyond
-    /// is folded back.
-    pub ends: [f64; 2],
+    /// From where to where it reaches from its place, in such lengths.
+    pub part: [f64; 2],
 }
 
 impl Piece {
     /// The point alone.
     pub const POINT: Self = Self {
         half: [0.0; 2],
-        ends: [0.0; 2],
+        part: [-1.0, 1.0],
     };
 }
 
 /// What stays fixed while the boundary moves.
 #[derive(Clone, Copy, Debug)]
 pub enum Coordinate {
-    /// Film position in pixels, and the piece of border about it for which the sample stands.
+    /// Film position in pixels, and the piece of border for which the sample stands, from there.
     Film { at: [f64; 2], piece: Piece },
     /// A point in the square of a light's patch.
     Light { patch: u32, at: [f64; 2] },

@@ -42,7 +42,7 @@ fn silhouettes() {
     agree(&scene, &[("block.translation", &MOVED)], 64, 0.01);
     agree(&scene, &[("block.rotation", &MOVED)], 64, 0.02);
     agree(&scene, &[("cam.translation", &MOVED)], 64, 0.01);
-    agree(&silhouette(BOX), &[("block.scale", &[1.0])], 64, 0.02);
+    agree(&silhouette(BOX), &[("block.scale", &[1.0])], 256, 0.003);
 }
 
 #[test]
@@ -116,6 +116,19 @@ fn in_a_rough_mirror() {
         .smooth("ball", ball, [0.2, 0.6, 0.3])
         .constant_environment(SKY);
     agree(&scene, &[("ball.translation", &MOVED)], 256, 0.05);
+}
+
+/// Black bodies before an even sky: nothing but outlines, which a box cuts into pixels.
+#[test]
+fn outlines_before_a_box() {
+    let seen = || scene(vec3(0.3, -4.0, 1.0), Vec3::ZERO, 24.0, [9, 9], BOX);
+    for body in [1, 3].map(|levels| ball(levels, vec3(0.1, 0.0, 0.05), 0.7)) {
+        let scene = seen().smooth("body", body, [0.0; 3]);
+        let scene = scene.constant_environment(SKY);
+        agree(&scene, &[("body.translation", &MOVED)], 512, 0.004);
+        agree(&scene, &[("body.rotation", &MOVED)], 512, 0.01);
+        agree(&scene, &[("body.scale", &[1.0])], 512, 0.004);
+    }
 }
 
 /// A coarse ball that turns about its middle: what its facets' horizons bring is about the opposite

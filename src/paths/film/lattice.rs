@@ -27,6 +27,8 @@ pub struct Tile {
     /// Pixels covered: from `start` up to, not including, `end`.
     pub start: [i32; 2],
     pub end: [i32; 2],
+    /// Where the lattice of all tiles starts and ends.
+    pub film: [[i32; 2]; 2],
     /// Lattice points along x and y, the two outer ones included.
     pub points: [usize; 2],
     /// Film position of point (0, 0), which lies outside the tile.
@@ -126,6 +128,7 @@ impl Lattice {
         Tile {
             start,
             end,
+            film: [self.start, self.end],
             points: std::array::from_fn(|i| (end[i] - start[i]) as usize * self.per_pixel[i] + 2),
             first: std::array::from_fn(|i| start[i] as f64 + (shift[i] as f64 - 1.0) * step[i]),
             step,

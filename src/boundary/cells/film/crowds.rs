@@ -47,7 +47,8 @@ struct Met {
     parallel: usize,
 }
 
-/// The blocks of a tile about which has been asked.
+/// The blocks about which a tile has asked. Others have the same answers: they lie alike for all tiles,
+/// and so do the pilot's lines.
 pub struct Crowds<'a> {
     cells: LatticeCells<'a>,
     known: BTreeMap<[i32; 2], bool>,
@@ -63,7 +64,7 @@ impl<'a> Crowds<'a> {
 
     /// Whether a film position lies in a crowd.
     pub fn contain(&mut self, at: [f64; 2], counts: &mut Counts) -> bool {
-        let start = self.cells.film.tile.start;
+        let [start, _] = self.cells.film.tile.film;
         let block = [0, 1].map(|i| ((at[i] - f64::from(start[i])) / BLOCK).floor() as i32);
         if let Some(&known) = self.known.get(&block) {
             return known;
@@ -76,7 +77,7 @@ impl<'a> Crowds<'a> {
     /// How far a straight way of less than a block goes on before it comes to a crowd, in parts of the
     /// way; infinite if it does not.
     pub fn free_way(&mut self, at: [f64; 2], way: [f64; 2], counts: &mut Counts) -> f64 {
-        let start = self.cells.film.tile.start;
+        let [start, _] = self.cells.film.tile.film;
         let mut borders = [0, 1].map(|i| {
             if way[i] == 0.0 {
                 return f64::INFINITY;
@@ -117,11 +118,11 @@ impl<'a> Crowds<'a> {
         let camera = &view.camera;
         let axis = (line % 2) as usize;
         let mut place = [0, 1].map(|i| {
-            // Blocks beyond the tile's start have negative numbers.
+            // Blocks beyond the film's start have negative numbers.
             let number = (block[1] + 1) << 16 | (block[0] + 1);
             let name = [number as u32, line, i as u32];
-            let random = f64::from(tile.stream.single(Single::CrowdLine, name));
-            f64::from(tile.start[i]) + (f64::from(block[i]) + random) * BLOCK
+            let random = f64::from(tile.whole.single(Single::CrowdLine, name));
+            f64::from(tile.film[0][i]) + (f64::from(block[i]) + random) * BLOCK
         });
         place[axis] -= 0.5 * (LANES - 1) as f64 * tile.step[axis];
         let directions: [_; LANES] = std::array::from_fn(|ray| {

@@ -13,16 +13,16 @@
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;
-use super::piece::piece;
+use super::piece::pieces;
 use super::weights::{self, ROUNDS};
 use super::{looks, rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
 use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
 use crate::boundary::probe::{Probed, Sides};
 use crate::boundary::search_scene::SearchScene;
-use crate::discontinuity::boundary::velocity_per_side;
+use crate::discontinuity::boundary::{Boundary, velocity_per_side};
 use crate::lanes::LANES;
-use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
+use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
@@ -71,8 +71,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     });
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
-        out.samples
-            .extend(sample(&cells, met, chance, &mut crowds, counts));
+        add(&cells, met, chance, (&mut crowds, counts), &mut out.samples);
     }
     chain::film::find(&cells, &stream, out);
     if film.image.hidden.is_empty() {
@@ -168,17 +167,17 @@ fn look(
     cells.scene.probe(start, sides, stream, index, counts)
 }
 
-/// The jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density. In a
-/// crowd the speed is that of the point of the edge.
-fn sample(
-    cells: &LatticeCells,
+/// Adds the jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density. In
+/// a crowd the speed is that of the point of the edge.
+fn add<'a>(
+    cells: &LatticeCells<'a>,
     met: &Jump<FilmCell>,
     chance: f64,
-    crowds: &mut Crowds,
-    counts: &mut Counts,
-) -> Option<BoundarySample> {
+    (crowds, counts): (&mut Crowds<'a>, &mut Counts),
+    samples: &mut Vec<BoundarySample>,
+) {
     if met.jump == DVec3::ZERO {
-        return None;
+        return;
     }
     let Candidate { crossing, cell, .. } = &met.at;
     let FilmTile { view, tile, .. } = *cells.film;
@@ -191,24 +190,28 @@ fn sample(
         let direction = cells.direction_at(at);
         boundary = boundary.of_point(view.geometry, origin, direction, per_pixel[1 - axis]);
     }
-    let c = boundary.normal(view.geometry, origin);
-    let gradient = per_pixel.map(|d| c.dot(d));
-    let velocity = velocity_per_side(gradient, [1.0, 0.0, 1.0], axis)?;
+    let gradient = |boundary: &Boundary| {
+        let c = boundary.normal(view.geometry, origin);
+        per_pixel.map(|d| c.dot(d))
+    };
+    let own = gradient(&boundary);
+    if velocity_per_side(own, [1.0, 0.0, 1.0], axis).is_none() {
+        return;
+    }
     let across = tile.step[1 - axis];
-    let weight = met.jump * (velocity * across / chance);
-    let piece = piece(
-        (cells.film, crowds),
-        &boundary,
-        (at, gradient),
-        axis,
-        counts,
-    );
-    Some(BoundarySample {
-        boundary,
-        shadow: None,
-        lane: 0,
-        at: Coordinate::Film { at, piece },
-        chain: NO_CHAIN,
-        weight: weight.as_vec3().to_array(),
-    })
+    let keep = |boundary: Boundary, at: [f64; 2], piece: Piece| {
+        let velocity = velocity_per_side(gradient(&boundary), [1.0, 0.0, 1.0], axis);
+        // An edge that is seen end-on has no length.
+        let weight = met.jump * (velocity.unwrap_or(0.0) * across / chance);
+        samples.push(BoundarySample {
+            boundary,
+            shadow: None,
+            lane: 0,
+            at: Coordinate::Film { at, piece },
+            chain: NO_CHAIN,
+            weight: weight.as_vec3().to_array(),
+        });
+    };
+    let crossing = (crossing, &boundary);
+    pieces((cells, crowds), crossing, (at, own), axis, counts, keep);
 }
