@@ -3,13 +3,15 @@
 use crate::trace::geometry::Geometry;
 use rayon::slice::ParallelSliceMut;
 
-/// Across a half-edge lies no single other triangle: a border, or more than two triangles meet.
+/// Across a half-edge lies no other triangle.
 const NONE: u32 = u32::MAX;
+/// More than two triangles meet there.
+const MANY: u32 = u32::MAX - 1;
 
 /// For each half-edge (3·triangle + corner: the edge from that corner to the next) its twin.
 pub struct Adjacency {
     /// 2·(half-edge number) + (1 if both triangles run along the edge in the same direction, so
-    /// that the surface's orientation flips across it), or [`NONE`].
+    /// that the surface's orientation flips across it), or [`NONE`] or [`MANY`].
     twin: Vec<u32>,
 }
 
@@ -46,10 +48,15 @@ impl Adjacency {
         Self { twin }
     }
 
+    /// Whether the surface ends at the edge that starts at `corner`.
+    pub fn is_border(&self, triangle: u32, corner: usize) -> bool {
+        self.twin[3 * triangle as usize + corner] == NONE
+    }
+
     /// The triangle across the edge that starts at `corner`, if there is exactly one.
     pub fn across(&self, triangle: u32, corner: usize) -> Option<Across> {
         let packed = self.twin[3 * triangle as usize + corner];
-        (packed != NONE).then(|| {
+        (packed < MANY).then(|| {
             let half_edge = packed >> 1;
             Across {
                 triangle: half_edge / 3,
@@ -81,10 +88,14 @@ fn link_mesh(geometry: &Geometry, mesh: usize, twin: &mut [u32]) {
     }
     edges.par_sort_unstable();
     for group in edges.chunk_by(|a, b| a.0 == b.0) {
-        if let [(_, e, e_up), (_, f, f_up)] = *group {
-            let flipped = (e_up == f_up) as u32;
-            twin[e as usize] = f << 1 | flipped;
-            twin[f as usize] = e << 1 | flipped;
+        match *group {
+            [_] => {}
+            [(_, e, e_up), (_, f, f_up)] => {
+                let flipped = (e_up == f_up) as u32;
+                twin[e as usize] = f << 1 | flipped;
+                twin[f as usize] = e << 1 | flipped;
+            }
+            _ => group.iter().for_each(|&(_, e, _)| twin[e as usize] = MANY),
         }
     }
 }

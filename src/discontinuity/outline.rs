@@ -88,7 +88,8 @@ pub fn next(
     let found = about(mesh, o, (triangle, corner, vertex))?;
     let over = adjacency.across(found.0.triangle, found.0.corner);
     let Some(across) = adjacency.across(triangle, corner) else {
-        return over.is_none().then_some(found);
+        let is_border = |edge: HalfEdge| adjacency.is_border(edge.triangle, edge.corner);
+        return (is_border(edge) && is_border(found.0)).then_some(found);
     };
     let vertex = (across.corner + usize::from(beyond_first != across.flipped)) % 3;
     let (other, _) = about(mesh, o, (across.triangle, across.corner, vertex))?;

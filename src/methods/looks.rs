@@ -2,8 +2,8 @@
 //!
 //! A trial has to see enough of the few paths that hold much of the variance, and a pilot must not
 //! cost more than it may save. A first look is short; where it says that differences do, which are
-//! the cheapest answer, it is left at that. The rest is looked at again, for as long as the job
-//! lets: about a 32nd of it.
+//! the cheapest answer, it is left at that, unless a second one tells far more. The rest is looked at
+//! again, for as long as the job lets: about a 32nd of it.
 
 use super::error::EngineError;
 use super::prepared::Prepared;
@@ -13,7 +13,7 @@ use super::statistics::Statistics;
 
 /// The pilot's own random numbers.
 const SEED: u64 = 0x7069_6c6f_7400_0001;
-/// Groups of a whole look, and the samples a pixel of each, as far as the job's groups have as many.
+/// The least groups of a whole look, and the samples a pixel of each, as far as the job's groups have as many.
 const GROUPS: u32 = 4;
 const SAMPLES: [u32; 2] = [2, 16];
 /// The least of a shorter one, which is to see more of the film.
@@ -82,7 +82,8 @@ impl Job {
 
     /// Paths of a first look.
     pub fn first_look(&self) -> f64 {
-        self.share(FIRST_SHARE).max(LEAST_PATHS)
+        let all = self.times * self.paths();
+        self.share(FIRST_SHARE).max(LEAST_PATHS.min(all))
     }
 
     /// Paths of a later one, if the job is worth more than a first.
@@ -94,7 +95,8 @@ impl Job {
     /// Whether a later look tells far more than a first, at a small part of the job.
     pub fn later_tells_more(&self) -> bool {
         let later = self.later_look();
-        later.is_some_and(|paths| paths >= TELLS_MORE * self.first_look())
+        let first = self.first_look();
+        first < WHOLE_PATHS && later.is_some_and(|paths| paths >= TELLS_MORE * first)
     }
 
     /// A share of all that will be done in paths, at most a whole look.

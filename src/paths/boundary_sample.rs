@@ -36,7 +36,7 @@ pub struct Shadow {
 /// The chain of what is seen directly.
 pub const NO_CHAIN: [u32; 2] = [0; 2];
 
-/// A straight piece of a border on the film, which stands for a length of two.
+/// A straight piece of a border on the film. All those of one crossing have a length of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// A length of one along it, in pixels; zero for a point.

@@ -4,7 +4,7 @@
 use super::directions::{Directions, Part};
 use super::point::EdgePoint;
 use super::sources::Edges;
-use super::surface::{EdgePoints, beside, horizons};
+use super::surface::{EdgePoints, beside};
 use crate::discontinuity::boundary::vector;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
@@ -55,7 +55,7 @@ pub fn find(edges: &Edges, at: &At, draw: &LightDraw, out: &mut Found) {
     );
     let points = points.map(|point| point.filter(|p| p.open_side.is_some()));
     let seen = beyond(at, &points, out);
-    let below = turned(&points, horizons(&points));
+    let below = below_horizons(&points);
     let seen_below = beyond(at, &below, out);
     for lane in 0..LANES {
         let light = light_of(lane);
@@ -97,10 +97,10 @@ fn beyond(at: &At, points: &EdgePoints, out: &mut Found) -> [u32; LANES] {
     })
 }
 
-/// The points of some lanes, with what lies below in the place of what lies above.
-fn turned(points: &EdgePoints, lanes: u32) -> EdgePoints {
+/// The points of horizons, with what lies below in the place of what lies above.
+fn below_horizons(points: &EdgePoints) -> EdgePoints {
     std::array::from_fn(|lane| {
-        let point = points[lane].filter(|_| lanes >> lane & 1 == 1)?;
+        let point = points[lane].filter(|point| point.is_horizon)?;
         Some(EdgePoint {
             open_side: point.open_side.map(|side| -side),
             ..point
@@ -173,7 +173,7 @@ pub fn find_before_map(edges: &Edges, at: &At, out: &mut Found) {
         &mut out.counts,
     );
     let points = points.map(|point| point.filter(|p| p.open_side.is_some()));
-    let below = turned(&points, horizons(&points));
+    let below = below_horizons(&points);
     let [free, free_below] = [&points, &below].map(|points| {
         let (active, directions) = beside(points, |p| p.open_side.unwrap_or(1.0));
         if active == 0 {

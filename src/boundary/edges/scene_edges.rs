@@ -170,10 +170,11 @@ impl SceneEdges {
         let c = Boundary::Edge(edge.ends).normal(geometry, o);
         let flat = FLAT * c.length_squared();
         let at = |v: u32| geometry.positions[v as usize].as_dvec3();
-        let end = at(edge.ends[0]);
+        let [end, other] = edge.ends.map(at);
+        let along = (other - end).normalize();
         let thirds = &self.thirds[edge.thirds.start as usize..edge.thirds.end as usize];
         let mut sides = thirds.iter().map(|&v| {
-            let way = at(v) - end;
+            let way = (at(v) - end).reject_from_normalized(along);
             let height = c.dot(way);
             (height * height > flat * way.length_squared()).then_some(height.signum())
         });

@@ -119,14 +119,6 @@ impl Edges<'_> {
     }
 }
 
-/// Lanes whose point is one of a horizon.
-pub fn horizons(points: &EdgePoints) -> u32 {
-    let is_one = |lane: &usize| points[*lane].is_some_and(|point| point.is_horizon);
-    (0..LANES)
-        .filter(is_one)
-        .fold(0, |bits, lane| bits | 1 << lane)
-}
-
 /// Which lanes have one, and the directions beside it on one side in each.
 pub fn beside(points: &EdgePoints, side: impl Fn(&EdgePoint) -> f64) -> (u32, [Vec3; LANES]) {
     let mut active = 0;

@@ -47,8 +47,8 @@ struct Met {
     parallel: usize,
 }
 
-/// The blocks about which a tile has asked. Others have the same answers: they lie alike for all tiles,
-/// and so do the pilot's lines.
+/// The blocks about which a tile has asked. Others that see through the same point of the lens have the
+/// same answers: blocks lie alike for all tiles, and so do the pilot's lines.
 pub struct Crowds<'a> {
     cells: LatticeCells<'a>,
     known: BTreeMap<[i32; 2], bool>,

@@ -6,7 +6,8 @@
 //! place of pieces it would be a number of crossings, and off by a good part of one.
 //!
 //! Where an edge ends a piece goes on over the next one of the outline (`discontinuity::outline`), if
-//! that leads further across the rows. If not, the rest of the piece is folded back. Of a chain of
+//! that leads further across the rows and nearly straight on. If not, the rest of the piece is folded
+//! back. Of a chain of
 //! edges between two such ends, a point at a distance t < h/2 from an end is met by the crossings up to
 //! h/2 + t beyond it and, folded, by those up to h/2 − t: by as many as elsewhere. So is any chain,
 //! however short: if it has a length of ℓ across the rows there is a crossing with the chance ℓ/h, whose
@@ -28,12 +29,19 @@ use crate::discontinuity::crossing::Crossing;
 use crate::discontinuity::outline::{self, HalfEdge};
 use crate::paths::boundary_sample::Piece;
 use crate::paths::counts::Counts;
+use glam::DVec2;
 
 /// No piece reaches further than this along its row or column, in pixels: those that cross flatly
 /// have hardly any weight.
 const LONGEST: f64 = 1.0;
-/// Edges that a piece may go over, or be folded at.
-const MOST_EDGES: usize = 64;
+/// The cosine of the angle, on the film, between an edge and one that pieces go on to from it. What jumps
+/// may differ from edge to edge, as on a flat-shaded body: the difference of both is then off by h/8
+/// times that of the velocities, which is small where these are those of one point along nearly one
+/// normal.
+const STRAIGHT: f64 = 0.95;
+/// Edges that a piece may go over, or be folded at; the rest of one that would go over more stays in line
+/// with the last.
+const MOST_EDGES: usize = 16;
 /// Of a piece's half, what is no longer worth a stretch.
 const LEAST: f64 = 1e-9;
 
@@ -188,12 +196,13 @@ impl Course<'_, '_> {
         let (rise, run) = (q[across] - p[across], q[self.axis] - p[self.axis]);
         let slope = run / rise;
         let goes_on = (rise * way > 0.0) == starts && rise != 0.0;
-        if !goes_on || (slope * self.reach).abs() > LONGEST {
-            return None;
-        }
         let (mut at, mut half) = ([self.row; 2], [self.reach; 2]);
         at[self.axis] = p[self.axis] + slope * (self.row - p[across]);
         half[self.axis] = slope * self.reach;
+        let [old, new] = [line.half, half].map(|h| DVec2::from(h).normalize());
+        if !goes_on || (slope * self.reach).abs() > LONGEST || old.dot(new) < STRAIGHT {
+            return None;
+        }
         Some(Line {
             vertices,
             at,
