@@ -260,8 +260,8 @@ mod tests {
             vec![0.0, 1.1],
             vec![0.0, 0.3, 0.35, 2.2],
             vec![0.0, 1.4, 3.0, 3.1],
-            vec![0.0, 0.04],
-            vec![0.0, 0.02, 0.05],
+            vec![0.0, 0.1],
+            vec![0.0, 0.05, 0.15],
         ] {
             let whole = *chain.last().expect("ends");
             let bin = whole / BINS as f64;
