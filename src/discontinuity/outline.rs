@@ -1,8 +1,8 @@
 //! An outline, from edge to edge.
 //!
-//! About a vertex of an outline, triangles that face the viewer lie between two of its edges, and those
-//! that do not between the same two. That is asked of both kinds: where the outline branches, each
-//! finds another edge, and it is taken to end there, whichever edge one comes from.
+//! About a vertex of an outline, triangles that face the viewer lie between two of its edges, and
+//! those that do not between the same two. That is asked of both kinds: where the outline branches,
+//! each finds another edge, and it is taken to end there, whichever edge one comes from.
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::trace::geometry::Geometry;
@@ -70,8 +70,8 @@ impl Corners {
     }
 }
 
-/// The edge with which the outline that is seen from `o` goes on, beyond the first vertex of one of its
-/// edges or the second; and whether that starts there.
+/// The edge with which the outline that is seen from `o` goes on, beyond the first vertex of one of
+/// its edges or the second; and whether that starts there.
 pub fn next(
     (geometry, adjacency): (&Geometry, &Adjacency),
     o: DVec3,
@@ -97,8 +97,8 @@ pub fn next(
     (over.triangle == other.triangle && over.corner == other.corner).then_some(found)
 }
 
-/// The next edge of the outline, or the surface's border, about a corner of a triangle away from one of
-/// its edges; and whether it starts at the corner.
+/// The next edge of the outline, or the surface's border, about a corner of a triangle away from
+/// one of its edges; and whether it starts at the corner.
 fn about(
     (geometry, adjacency): (&Geometry, &Adjacency),
     o: DVec3,
@@ -203,7 +203,8 @@ mod tests {
         };
         let one = geometry(sheet(0.0).to_vec(), vec![[0, 1, 2]]);
         assert!(go(&one, [0, 1]).is_some());
-        // Folded over the edge from 0 to 1: there it is an outline, and at its sides there are borders.
+        // Folded over the edge from 0 to 1: there it is an outline, and at its sides there are
+        // borders.
         let mut folded = sheet(0.0).to_vec();
         folded.push(vec3(0.0, 1.0, -0.5));
         let folded = geometry(folded, vec![[0, 1, 2], [1, 0, 3]]);

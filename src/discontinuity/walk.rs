@@ -202,8 +202,8 @@ pub fn walk_among(
     Walk::Lost
 }
 
-/// Below this squared sine of their angle two triangles lie in one plane, and their common edge is not
-/// looked at.
+/// Below this squared sine of their angle two triangles lie in one plane, and their common edge is
+/// not looked at.
 pub const FLAT: f64 = 1e-10;
 
 /// Above this, a tenth of a radian, all bends of smooth surfaces are looked at; of those below, as

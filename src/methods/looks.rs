@@ -2,8 +2,8 @@
 //!
 //! A trial has to see enough of the few paths that hold much of the variance, and a pilot must not
 //! cost more than it may save. A first look is short; where it says that differences do, which are
-//! the cheapest answer, it is left at that, unless a second one tells far more. The rest is looked at
-//! again, for as long as the job lets: about a 32nd of it.
+//! the cheapest answer, it is left at that, unless a second one tells far more. The rest is looked
+//! at again, for as long as the job lets: about a 32nd of it.
 
 use super::error::EngineError;
 use super::prepared::Prepared;
@@ -13,7 +13,8 @@ use super::statistics::Statistics;
 
 /// The pilot's own random numbers.
 const SEED: u64 = 0x7069_6c6f_7400_0001;
-/// The least groups of a whole look, and the samples a pixel of each, as far as the job's groups have as many.
+/// The least groups of a whole look, and the samples a pixel of each, as far as the job's groups
+/// have as many.
 const GROUPS: u32 = 4;
 const SAMPLES: [u32; 2] = [2, 16];
 /// The least of a shorter one, which is to see more of the film.

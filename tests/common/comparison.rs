@@ -118,8 +118,8 @@ pub fn with_samples<T>(most: u32, resolution: f64, measure: impl Fn(u32) -> (f64
     }
 }
 
-/// All of a list by `make test-long`, and by `make test` the first and then one in `every`: of what takes
-/// long and shows once more, with another material, say, what others have shown.
+/// All of a list by `make test-long`, and by `make test` the first and then one in `every`: of what
+/// takes long and shows once more, with another material, say, what others have shown.
 pub fn thinned<T>(every: usize, all: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
     let every = if cfg!(feature = "all-samples") {
         1

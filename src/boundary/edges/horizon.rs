@@ -1,9 +1,9 @@
 //! The plane of the triangle that a vertex lies on, as a border of what arrives there.
 //!
-//! A smooth normal n leans over the horizon of its triangle. Rays below the triangle's plane start on
-//! its other side, where the inside of a body hides what would be reflected from there. The plane
-//! moves with the triangle, and over it what arrives jumps: it is a great circle of directions, of
-//! which the half counts that is above n's own horizon.
+//! A smooth normal n leans over the horizon of its triangle. Rays below the triangle's plane start
+//! on its other side, where the inside of a body hides what would be reflected from there. The
+//! plane moves with the triangle, and over it what arrives jumps: it is a great circle of
+//! directions, of which the half counts that is above n's own horizon.
 
 use super::directions::{Directions, Part};
 use super::point::EdgePoint;
@@ -20,7 +20,8 @@ use std::f64::consts::FRAC_PI_2;
 const MOST_OFTEN: f64 = 0.5;
 /// Normals that lean by less are those of the triangle.
 const LEAST_LEAN: f64 = 1e-5;
-/// Probes look so far above and below (radians): a plane is known to 1e-6 or so in single precision.
+/// Probes look so far above and below (radians): a plane is known to 1e-6 or so in single
+/// precision.
 const BESIDE_RAD: f64 = 1e-4;
 
 /// The part of a plane's directions that matters: within `half_rad` of `middle`.

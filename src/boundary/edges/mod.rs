@@ -6,7 +6,8 @@
 //! missed because it is small, and no weight grows with what stands beside an edge; but an edge is
 //! drawn whether something hides it or not, and where a vertex has many about it, few matter.
 //!
-//! The plane of the triangle that a vertex lies on is a border, too, where smooth normals lean over it.
+//! The plane of the triangle that a vertex lies on is a border, too, where smooth normals lean over
+//! it.
 
 mod directions;
 mod film;

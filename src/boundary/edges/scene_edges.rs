@@ -164,8 +164,9 @@ impl SceneEdges {
     }
 
     /// On which side of the plane through `o` and the edge its triangles lie, as the sign of F;
-    /// `None` if they lie on both: then the surface goes on. `None` too if one lies in that plane, as
-    /// a triangle does from each of its own points: that is their horizon (`boundary::edges::horizon`).
+    /// `None` if they lie on both: then the surface goes on. `None` too if one lies in that plane,
+    /// as a triangle does from each of its own points: that is their horizon
+    /// (`boundary::edges::horizon`).
     pub fn side(&self, geometry: &Geometry, edge: &SceneEdge, o: DVec3) -> Option<f64> {
         let c = Boundary::Edge(edge.ends).normal(geometry, o);
         let flat = FLAT * c.length_squared();

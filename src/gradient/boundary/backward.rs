@@ -252,7 +252,8 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// A boundary sample of the film at a point of its piece, with the cotangent of what it adds there.
+    /// A boundary sample of the film at a point of its piece, with the cotangent of what it adds
+    /// there.
     pub fn add_film_boundary(
         &self,
         found: &Found,

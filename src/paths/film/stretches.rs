@@ -4,8 +4,8 @@ use crate::paths::boundary_sample::Piece;
 use crate::paths::film::filter::{FilmFilter, Taps};
 
 impl FilmFilter {
-    /// Calls with the share of each stretch of a piece of film in which the weights of a box are the
-    /// same, its middle, and the weights along both axes.
+    /// Calls with the share of each stretch of a piece of film in which the weights of a box are
+    /// the same, its middle, and the weights along both axes.
     pub fn along(
         &self,
         at: [f64; 2],

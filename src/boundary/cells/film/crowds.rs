@@ -47,8 +47,8 @@ struct Met {
     parallel: usize,
 }
 
-/// The blocks about which a tile has asked. Others that see through the same point of the lens have the
-/// same answers: blocks lie alike for all tiles, and so do the pilot's lines.
+/// The blocks about which a tile has asked. Others that see through the same point of the lens have
+/// the same answers: blocks lie alike for all tiles, and so do the pilot's lines.
 pub struct Crowds<'a> {
     cells: LatticeCells<'a>,
     known: BTreeMap<[i32; 2], bool>,
@@ -74,8 +74,8 @@ impl<'a> Crowds<'a> {
         crowded
     }
 
-    /// How far a straight way of less than a block goes on before it comes to a crowd, in parts of the
-    /// way; infinite if it does not.
+    /// How far a straight way of less than a block goes on before it comes to a crowd, in parts of
+    /// the way; infinite if it does not.
     pub fn free_way(&mut self, at: [f64; 2], way: [f64; 2], counts: &mut Counts) -> f64 {
         let [start, _] = self.cells.film.tile.film;
         let mut borders = [0, 1].map(|i| {

@@ -1,26 +1,26 @@
 //! The piece of an outline that its crossing with a row or a column stands for.
 //!
-//! Rows are one step h apart. An outline is covered once, without gaps, by pieces about its crossings
-//! that reach half a step to both sides, across the rows. Before a filter that jumps from pixel to
-//! pixel, such as a box, the share of a pixel in an edge is then its length there. With points in
-//! place of pieces it would be a number of crossings, and off by a good part of one.
+//! Rows are one step h apart. An outline is covered once, without gaps, by pieces about its
+//! crossings that reach half a step to both sides, across the rows. Before a filter that jumps from
+//! pixel to pixel, such as a box, the share of a pixel in an edge is then its length there. With
+//! points in place of pieces it would be a number of crossings, and off by a good part of one.
 //!
-//! Where an edge ends a piece goes on over the next one of the outline (`discontinuity::outline`), if
-//! that leads further across the rows and nearly straight on. If not, the rest of the piece is folded
-//! back. Of a chain of
-//! edges between two such ends, a point at a distance t < h/2 from an end is met by the crossings up to
-//! h/2 + t beyond it and, folded, by those up to h/2 − t: by as many as elsewhere. So is any chain,
-//! however short: if it has a length of ℓ across the rows there is a crossing with the chance ℓ/h, whose
-//! piece has the density h/ℓ. That holds as long as all crossings of a chain have pieces of one length,
-//! and a piece goes over from one edge to another if those of that one come back.
+//! Where an edge ends a piece goes on over the next one of the outline (`discontinuity::outline`),
+//! if that leads further across the rows and nearly straight on. If not, the rest of the piece is
+//! folded back. Of a chain of edges between two such ends, a point at a distance t < h/2 from an
+//! end is met by the crossings up to h/2 + t beyond it and, folded, by those up to h/2 − t: by as
+//! many as elsewhere. So is any chain, however short: if it has a length of ℓ across the rows there
+//! is a crossing with the chance ℓ/h, whose piece has the density h/ℓ. That holds as long as all
+//! crossings of a chain have pieces of one length, and a piece goes over from one edge to another
+//! if those of that one come back.
 //!
-//! Where velocities are told otherwise on the other side, at the borders of crowds, it is folded back as
-//! well, and at the border of the film. Over the borders of tiles the lattice goes on.
+//! Where velocities are told otherwise on the other side, at the borders of crowds, it is folded
+//! back as well, and at the border of the film. Over the borders of tiles the lattice goes on.
 //!
-//! In the mean over the lattice's shifts every point of an outline counts once, with its own velocity
-//! and its own place on the film. What jumps there is that of the crossing: it is the mean over a step
-//! along the outline, which is off by h²/24 times the second derivative along it, and by less than a
-//! step where something hides the outline.
+//! In the mean over the lattice's shifts every point of an outline counts once, with its own
+//! velocity and its own place on the film. What jumps there is that of the crossing: it is the mean
+//! over a step along the outline, which is off by h²/24 times the second derivative along it, and
+//! by less than a step where something hides the outline.
 
 use super::cell::LatticeCells;
 use super::crowds::Crowds;
@@ -34,13 +34,13 @@ use glam::DVec2;
 /// No piece reaches further than this along its row or column, in pixels: those that cross flatly
 /// have hardly any weight.
 const LONGEST: f64 = 1.0;
-/// The cosine of the angle, on the film, between an edge and one that pieces go on to from it. What jumps
-/// may differ from edge to edge, as on a flat-shaded body: the difference of both is then off by h/8
-/// times that of the velocities, which is small where these are those of one point along nearly one
-/// normal.
+/// The cosine of the angle, on the film, between an edge and one that pieces go on to from it. What
+/// jumps may differ from edge to edge, as on a flat-shaded body: the difference of both is then off
+/// by h/8 times that of the velocities, which is small where these are those of one point along
+/// nearly one normal.
 const STRAIGHT: f64 = 0.95;
-/// Edges that a piece may go over, or be folded at; the rest of one that would go over more stays in line
-/// with the last.
+/// Edges that a piece may go over, or be folded at; the rest of one that would go over more stays
+/// in line with the last.
 const MOST_EDGES: usize = 16;
 /// Of a piece's half, what is no longer worth a stretch.
 const LEAST: f64 = 1e-9;
@@ -131,8 +131,8 @@ pub fn pieces<'b>(
     keep(*boundary, at, Piece { half, part });
 }
 
-/// Goes a way of one from s = 0, up or down. `ahead` says how far a line is free from s on, and what it
-/// goes on with there; if with nothing, one turns back. Calls with each stretch.
+/// Goes a way of one from s = 0, up or down. `ahead` says how far a line is free from s on, and
+/// what it goes on with there; if with nothing, one turns back. Calls with each stretch.
 fn go<L: Copy>(
     first: L,
     mut way: f64,
@@ -250,8 +250,8 @@ impl Course<'_, '_> {
 mod tests {
     use super::*;
 
-    /// Pieces about all crossings of a chain of edges with rows cover it evenly, in the mean over all
-    /// shifts of the rows; short chains, too.
+    /// Pieces about all crossings of a chain of edges with rows cover it evenly, in the mean over
+    /// all shifts of the rows; short chains, too.
     #[test]
     fn pieces_cover_a_chain_up_to_its_ends() {
         const SHIFTS: usize = 20_000;

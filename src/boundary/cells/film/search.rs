@@ -167,8 +167,8 @@ fn look(
     cells.scene.probe(start, sides, stream, index, counts)
 }
 
-/// Adds the jump times the silhouette's speed per unit of Ḟ along the line, over the lines' density. In
-/// a crowd the speed is that of the point of the edge.
+/// Adds the jump times the silhouette's speed per unit of Ḟ along the line, over the lines'
+/// density. In a crowd the speed is that of the point of the edge.
 fn add<'a>(
     cells: &LatticeCells<'a>,
     met: &Jump<FilmCell>,
