@@ -116,16 +116,8 @@ impl Look {
         job: Job,
         paths: f64,
     ) -> Result<Self, EngineError> {
-        let (count, least) = match paths < WHOLE_PATHS {
-            true => (FEW_GROUPS, FEW_SAMPLES),
-            false => (GROUPS, SAMPLES[0]),
-        };
         let of_group = settings.spp / settings.groups().count;
-        let [least, most] = [least, SAMPLES[1]].map(|n| n.min(of_group).max(1));
-        let of_pixel = (paths / job.pixels) as u32;
-        let samples = (of_pixel / count).clamp(least, most);
-        // A group's samples lie as those of the job's, so a small film has more groups.
-        let count = count.max(of_pixel / samples);
+        let [count, samples] = groups(paths, job.pixels, of_group);
         let spp = samples * count;
         let part = (paths / (job.pixels * f64::from(spp))).min(1.0);
         let settings = Settings {
@@ -143,5 +135,37 @@ impl Look {
             settings,
             film,
         })
+    }
+}
+
+/// How many groups a look of so many paths has, and how many samples a pixel each of them. The job's
+/// groups have `of_group`: a look's samples lie as theirs, so on a small film it has more groups.
+fn groups(paths: f64, pixels: f64, of_group: u32) -> [u32; 2] {
+    let (count, least) = match paths < WHOLE_PATHS {
+        true => (FEW_GROUPS, FEW_SAMPLES),
+        false => (GROUPS, SAMPLES[0]),
+    };
+    let [least, most] = [least, SAMPLES[1]].map(|n| n.min(of_group).max(1));
+    let of_pixel = (paths / pixels) as u32;
+    let samples = (of_pixel / count).clamp(least, most);
+    [count.max(of_pixel / samples), samples]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A look is as long as it is to be, on a small film, too, and no group is denser than the job's.
+    #[test]
+    fn looks_have_their_paths() {
+        for side in [16.0, 32.0, 64.0] {
+            let pixels: f64 = side * side;
+            for paths in [12_288.0, WHOLE_PATHS, 4.0 * WHOLE_PATHS] {
+                let [count, samples] = groups(paths, pixels, 4);
+                assert!(count >= FEW_GROUPS && samples <= 4, "{side} {paths}");
+                let done = pixels * f64::from(count * samples);
+                assert!(done > 0.75 * paths, "{side} {paths}: {done}");
+            }
+        }
     }
 }

@@ -95,7 +95,10 @@ impl Edges<'_> {
         let (mut active, mut open) = (0, 0);
         for (lane, found) in points.iter().enumerate() {
             if let Some(found) = found {
-                open |= u32::from(found.is_horizon) << lane;
+                if found.is_horizon {
+                    open |= 1 << lane;
+                    continue;
+                }
                 let point = SurfacePoint::of_lane(at, lane);
                 let start = point.leave(found.way).as_dvec3();
                 ends[lane] = found.end(start).as_vec3();
@@ -103,12 +106,7 @@ impl Edges<'_> {
             }
         }
         let surface = at.surface;
-        let rays = view.toward(
-            surface.x,
-            surface.geometric,
-            from_lanes(&ends),
-            active & !open,
-        );
+        let rays = view.toward(surface.x, surface.geometric, from_lanes(&ends), active);
         let seen = view.unoccluded(&rays, &mut counts.edge) | open;
         for (lane, point) in points.iter_mut().enumerate() {
             if seen >> lane & 1 == 0 {
