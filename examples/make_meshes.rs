@@ -112,7 +112,7 @@ fn write_ascii(path: &Path, mesh: &Mesh) -> std::io::Result<()> {
 
 /// The unit sphere, z up, `around` quadrilaterals by `down`, those at the poles triangles; each
 /// vertex has its normal (its place) and texture coordinates: u once around from +x by +y, v from 0
-/// at +z to 1 at -z; and a colour, if it is painted.
+/// at +z to 1 at -z. If it is painted vertices and faces have a colour, and faces a weight, too.
 fn write_ball(path: &Path, around: usize, down: usize, is_painted: bool) -> std::io::Result<()> {
     let mut triangles = Vec::new();
     for j in 0..down {
@@ -127,15 +127,20 @@ fn write_ball(path: &Path, around: usize, down: usize, is_painted: bool) -> std:
             }
         }
     }
-    let colours = if is_painted {
-        "property float red\nproperty float green\nproperty float blue\n"
+    let (colours, of_faces) = if is_painted {
+        let of_faces = [
+            "property float color_0\nproperty float color_1\nproperty float color_2\n",
+            "property float weight_0\n",
+        ];
+        let of_vertices = "property float red\nproperty float green\nproperty float blue\n";
+        (of_vertices, of_faces.concat())
     } else {
-        ""
+        ("", String::new())
     };
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
          property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n{colours}\
-         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+         element face {}\nproperty list uchar int vertex_indices\n{of_faces}end_header\n",
         (around + 1) * (down + 1),
         triangles.len()
     )
@@ -160,10 +165,16 @@ fn write_ball(path: &Path, around: usize, down: usize, is_painted: bool) -> std:
             }
         }
     }
-    for triangle in &triangles {
+    for (number, triangle) in triangles.iter().enumerate() {
         bytes.push(3);
         for i in triangle {
             bytes.extend((*i as i32).to_le_bytes());
+        }
+        if is_painted {
+            let [a, b, c] = [3, 5, 7].map(|n| (number % n) as f32 / n as f32);
+            for x in [0.1 + a, 0.2 + b, 0.9 - c, 0.05 + b] {
+                bytes.extend(x.to_le_bytes());
+            }
         }
     }
     std::fs::write(path, bytes)

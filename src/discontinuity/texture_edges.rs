@@ -78,11 +78,14 @@ fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
     Some([ends.next()?, ends.next()?])
 }
 
-/// Whether texture coordinates jump across the edge that starts at `corner` of a triangle with
-/// pictures on it.
+/// Whether pictures jump across the edge that starts at `corner` of a triangle, as their texture
+/// coordinates do, or since every triangle has a colour of its own.
 pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
-    if geometry.pattern(triangle).is_none() {
+    let Some(pattern) = geometry.pattern(triangle) else {
         return false;
+    };
+    if pattern.jumps_between_triangles {
+        return true;
     }
     let edge = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];

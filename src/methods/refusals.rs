@@ -154,7 +154,7 @@ fn behind_a_lens(sensor: &Sensor, misses_lens: bool) -> Option<String> {
 /// Why the light of a beam has an edge on what it falls on, which nobody looks for.
 fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<String> {
     let jumps = |t: usize| match scene.textures[t].layout {
-        Layout::Constant | Layout::Vertices => false,
+        Layout::Constant | Layout::Vertices | Layout::Faces => false,
         Layout::Checkerboard { .. } => true,
         Layout::Bitmap { bilinear, .. } => !bilinear,
     };

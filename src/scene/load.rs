@@ -297,14 +297,14 @@ impl<'a> Loader<'a> {
         } else {
             shape::Coordinates::Idle
         };
-        let (mut mesh, colours, mut remarks) =
+        let (mut mesh, attributes, mut remarks) =
             shape::mesh(&mut self.input, object, coordinates, &mut self.rounds)?;
         self.scene.warnings.append(&mut remarks);
         if mesh.triangles.is_empty() {
             return Ok(None);
         }
         self.textures
-            .bring(&textures, (&id, &object.place), colours.as_deref())?;
+            .bring(&textures, (&id, &object.place), &attributes)?;
         mesh.id = id;
         mesh.material = material;
         mesh.area_light = light.is_some().then_some(self.scene.area_lights.len());

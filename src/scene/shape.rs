@@ -1,10 +1,12 @@
 //! A shape element: its mesh, and which bsdf and emitter hang on it.
 
 use super::camera::cannot_stand_inside;
-use super::data::{Mesh, Rgb};
+use super::data::Mesh;
 use super::error::{Place, SceneError};
 use super::input::Input;
-use super::mesh::{MeshError, Placement, RawMesh, finish, obj, ply, primitives, round, serialized};
+use super::mesh::{
+    Attribute, MeshError, Placement, RawMesh, finish, obj, ply, primitives, round, serialized,
+};
 use super::xml::{Child, Object, Tree};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
@@ -77,8 +79,8 @@ pub(super) enum Coordinates {
     Needed,
 }
 
-/// A mesh, the colours of its vertices if the file has some, and remarks on it.
-type Loaded = (Mesh, Option<Vec<Rgb>>, Vec<String>);
+/// A mesh, the attributes that its file has, and remarks on it.
+type Loaded = (Mesh, Vec<Attribute>, Vec<String>);
 
 /// Loads the shape's mesh, without id, material and light. Only one that has a use for texture
 /// coordinates pays for them with vertices split along seams.
@@ -100,7 +102,7 @@ pub(super) fn mesh(
         flip_tex_coords: is_file && object.boolean("flip_tex_coords", plugin == "obj")?,
         smooth: !matches!(plugin, "rectangle" | "cube" | "disk"),
     };
-    let (mut raw, file) = match plugin {
+    let (raw, file) = match plugin {
         "rectangle" => (primitives::rectangle(), None),
         "cube" if is_textured => (primitives::cube_of_six_sides(), None),
         "cube" => (primitives::cube(), None),
@@ -129,15 +131,14 @@ pub(super) fn mesh(
         let what = "the material or light of this shape has a texture, but its mesh has no texture coordinates";
         return Err(object.property_error("filename", what));
     }
-    let colours = raw.colours.take();
     let name = file.clone().unwrap_or_else(|| object.place.to_string());
-    let (mesh, remark) = finish(raw, &placement).map_err(|e| match file {
+    let finished = finish(raw, &placement).map_err(|e| match file {
         // Formulas have nothing wrong in themselves: it is the transform.
         None => object.property_error("to_world", e.what),
         Some(file) => mesh_error(file, e, &object.place),
     })?;
-    remarks.extend(remark.map(|r| format!("{name}: {r}")));
-    Ok((mesh, colours, remarks))
+    remarks.extend(finished.remark.map(|r| format!("{name}: {r}")));
+    Ok((finished.mesh, finished.attributes, remarks))
 }
 
 /// The unit sphere, and how it is made.

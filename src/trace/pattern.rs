@@ -9,6 +9,8 @@ pub struct Pattern {
     /// picture jumps where one is an integer. None if all pictures are smooth; those jump at most
     /// across seams of the texture coordinates.
     pub rulings: Vec<DVec3>,
+    /// Whether every triangle has a value of its own.
+    pub jumps_between_triangles: bool,
 }
 
 impl Pattern {
@@ -22,6 +24,7 @@ impl Pattern {
         let pictures: Vec<Layout> = layouts
             .filter(|l| !matches!(l, Layout::Constant | Layout::Vertices))
             .collect();
+        let jumps_between_triangles = pictures.contains(&Layout::Faces);
         let mut rulings: Vec<DVec3> = pictures.iter().flat_map(rulings).collect();
         for material in scene.parts_of(mesh.material) {
             if let Some(Relief {
@@ -33,7 +36,11 @@ impl Pattern {
                 rulings.extend(bends(&scene.textures[texture].layout));
             }
         }
-        (!pictures.is_empty() && !mesh.uvs.is_empty()).then_some(Self { rulings })
+        let may_jump = jumps_between_triangles || !(pictures.is_empty() || mesh.uvs.is_empty());
+        may_jump.then_some(Self {
+            rulings,
+            jumps_between_triangles,
+        })
     }
 }
 

@@ -39,6 +39,8 @@ pub trait Paint {
     fn picture(self, id: &str) -> Self;
     /// The same with a checkerboard.
     fn checkerboard(self, id: &str) -> Self;
+    /// A diffuse mesh with a colour for each triangle.
+    fn faces(self, id: &str) -> Self;
     /// All pictures without a filter: their texels meet in edges.
     fn unfiltered(self) -> Self;
     /// A mesh with a picture, whose second triangle has its own vertices and shows another place of
@@ -356,6 +358,20 @@ impl Paint for Scene {
                 reflectance: scene.textures.len() - 1,
             }
         })
+    }
+
+    fn faces(mut self, id: &str) -> Self {
+        let mesh = self.meshes.iter().find(|m| m.id == id).expect("a mesh");
+        let reflectance = self.materials[mesh.material].bsdf.textures()[0];
+        let steps = [0.618, 0.37, 0.83];
+        let colour = |i| steps.map(|step| (i as f32 * step).fract() * 0.8 + 0.1);
+        self.textures[reflectance] = Texture {
+            texels: (0..mesh.triangles.len()).map(colour).collect(),
+            layout: Layout::Faces,
+            limits: [0.0, 1.0],
+            ..Texture::constant(format!("{id}.face_color"), [0.0; 3])
+        };
+        self
     }
 
     fn unfiltered(mut self) -> Self {

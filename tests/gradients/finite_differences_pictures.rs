@@ -1,9 +1,10 @@
 //! As `finite_differences`: the edges that pictures have.
 
-use common::comparison::Interior::Fails;
+use common::comparison::Interior::{Agrees, Fails};
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
+use glam::vec3;
 use warpath::scene::Distribution::Ggx;
 use warpath::scene::Scene;
 
@@ -59,4 +60,17 @@ fn pictures_that_do_not_fit_together() {
         .torn("floor");
     moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
     moved(&scene, &[("cam.rotation", &[0.1, 0.4, 0.3])]);
+}
+
+/// On a smooth ball, and in a plane, nothing but the colours jumps.
+#[test]
+fn faces_with_colours_of_their_own() {
+    let scene = close_up().constant_environment(SKY).faces("floor");
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+    let ball = ball(1, vec3(0.2, 0.1, 0.5), 0.4);
+    let scene = close_up().constant_environment(SKY);
+    let scene = scene.smooth("ball", ball, [0.5; 3]).faces("ball");
+    moved(&scene, &[("ball.rotation", &[0.1, 0.2, 1.0])]);
+    let colours = vec![0.3; 3 * scene.meshes.last().expect("the ball").triangles.len()];
+    check(&scene, &[("ball.face_color", &colours)], 64, None, Agrees);
 }

@@ -138,6 +138,13 @@ fn depth_3() {
 }
 
 #[test]
+fn faces_with_colours_of_their_own() {
+    let shell = ball(1, vec3(0.2, 0.8, 0.6), 0.3);
+    let scene = materials(3, Some(0.2)).smooth("shell", shell, [0.5; 3]);
+    transposed(&scene.faces("shell"), Method::Reparam, IDLE);
+}
+
+#[test]
 fn depth_4() {
     transposed(&materials(4, Some(0.2)), Method::Reparam, IDLE);
 }

@@ -133,6 +133,7 @@ scenes! {
     dielectric roughdielectric_ggx roughdielectric_beckmann
     plastic roughplastic null
     mask blendbsdf thindielectric grained principled principled_glass normalmap bumpmap vertex_colours
+    face_attributes
     textures textured_roughness textured_light
     envmap delta_lights normals
     beams orthographic thinlens instances

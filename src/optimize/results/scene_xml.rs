@@ -11,8 +11,7 @@ use super::text::{escaped, joined, plain};
 use crate::jobs::failure::Failure;
 use crate::output::atomic;
 use crate::scene::{
-    BeamProfile, DeltaLight, DeltaLightKind, Filter, Layout, Lens, Mesh, Normals, Rgb, Scene,
-    Sensor,
+    BeamProfile, DeltaLight, DeltaLightKind, Filter, Lens, Mesh, Normals, Scene, Sensor, Texture,
 };
 use glam::{Mat3, Mat4, Vec2};
 use std::fmt::Write as _;
@@ -45,7 +44,7 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
     }
     for (number, mesh) in scene.meshes.iter().enumerate() {
         let name = format!("{number:03}-{}.ply", plain(&mesh.id));
-        meshes::ply(&parts.join(&name), mesh, colours(scene, mesh))?;
+        meshes::ply(&parts.join(&name), mesh, &attributes(scene, mesh))?;
         files.push(format!("scene/{name}"));
         let _ = writeln!(text, "  <shape type=\"ply\" id=\"{}\">", escaped(&mesh.id));
         let _ = writeln!(
@@ -80,17 +79,18 @@ pub fn write(directory: &Path, scene: &Scene) -> Result<Vec<String>, Failure> {
     Ok(files)
 }
 
-/// The colours of a mesh's vertices, if its material asks for them.
-pub fn colours<'a>(scene: &'a Scene, mesh: &Mesh) -> &'a [Rgb] {
+/// The attributes of a mesh that its material and its light ask for.
+pub fn attributes<'a>(scene: &'a Scene, mesh: &Mesh) -> Vec<&'a Texture> {
     let light = mesh
         .area_light
         .map(|light| scene.area_lights[light].radiance);
     let of_parts = scene.parts_of(mesh.material).into_iter();
-    let textures = of_parts.flat_map(|m| scene.materials[m].textures());
-    let found = textures
-        .chain(light)
-        .find(|&t| scene.textures[t].layout == Layout::Vertices);
-    found.map_or(&[], |t| &scene.textures[t].texels)
+    let textures = of_parts.flat_map(|m| scene.textures_of(m));
+    let mut found: Vec<usize> = textures.chain(light).collect();
+    found.sort_unstable();
+    found.dedup();
+    let found = found.into_iter().map(|t| &scene.textures[t]);
+    found.filter(|t| t.attribute().is_some()).collect()
 }
 
 fn integrator(scene: &Scene, text: &mut String) {

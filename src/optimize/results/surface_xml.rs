@@ -186,11 +186,12 @@ impl<'a> Surfaces<'a> {
             Layout::Constant => {
                 let _ = writeln!(text, "{indent}<{}/>", value(0).replace("NAME", name));
             }
-            Layout::Vertices => {
+            Layout::Vertices | Layout::Faces => {
+                let attribute = escaped(texture.attribute().unwrap_or_default());
                 let _ = writeln!(
                     text,
                     "{indent}<texture type=\"mesh_attribute\" name=\"{name}\"><string name=\"name\" \
-                     value=\"vertex_color\"/></texture>"
+                     value=\"{attribute}\"/></texture>"
                 );
             }
             Layout::Checkerboard { to_uv } => {

@@ -196,8 +196,12 @@ pub fn texture_at(
     if texture.layout == Layout::Constant {
         return (lookup(texture, Vec2::ZERO), [Vec3::ZERO; 2]);
     }
+    let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
+    if texture.layout == Layout::Faces {
+        let texel = triangle - geometry.first_triangle[mesh];
+        return (Lookup::of_one(texture, texel), [Vec3::ZERO; 2]);
+    }
     if texture.layout == Layout::Vertices {
-        let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
         let first = geometry.first_vertex[mesh];
         let [a, b, c] = geometry.triangles[triangle as usize].map(|v| v - first);
         let [p, q, r] = [a, b, c].map(|t| Vec3::from(texture.texels[t as usize]));

@@ -52,7 +52,10 @@ impl SceneView<'_> {
             let triangle = vertices.triangle[lane];
             let (scene, geometry) = (self.scene, self.geometry);
             let texture = &scene.textures[relief.texture];
-            let is_flat = matches!(texture.layout, Layout::Constant | Layout::Vertices);
+            let is_flat = matches!(
+                texture.layout,
+                Layout::Constant | Layout::Vertices | Layout::Faces
+            );
             let [p, q, r] = geometry.triangles[triangle as usize].map(|v| {
                 let uv = geometry.uvs.get(v as usize);
                 uv.copied().filter(|_| !is_flat).unwrap_or(Vec2::ZERO)

@@ -18,7 +18,8 @@ pub struct Lookup {
 }
 
 impl Lookup {
-    fn of_one(texture: &Texture, texel: u32) -> Self {
+    /// One texel, which does not change from place to place.
+    pub fn of_one(texture: &Texture, texel: u32) -> Self {
         Self {
             value: Vec3::from(texture.texels[texel as usize]),
             texels: [texel; 4],
@@ -55,8 +56,8 @@ impl Lookup {
 /// The texture at texture coordinates `uv`; constants have the same value everywhere.
 pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
     match texture.layout {
-        // Those of vertices are looked up on their triangles.
-        Layout::Constant | Layout::Vertices => Lookup::of_one(texture, 0),
+        // Those of vertices and faces are looked up on their triangles.
+        Layout::Constant | Layout::Vertices | Layout::Faces => Lookup::of_one(texture, 0),
         Layout::Checkerboard { to_uv } => {
             let at = to_uv.transform_point2(uv);
             let is_late = |x: f32| x - x.floor() > 0.5;

@@ -26,6 +26,8 @@ pub enum Layout {
     Constant,
     /// A texel for each vertex of the mesh, linear between.
     Vertices,
+    /// A texel for each triangle of the mesh.
+    Faces,
     /// The first texel where both coordinates, after `to_uv`, are in the same half of the unit,
     /// else the second.
     Checkerboard {
@@ -45,7 +47,7 @@ impl Layout {
     /// What happens to texture coordinates first, unless they do not matter.
     pub fn to_uv(&self) -> Option<Affine2> {
         match *self {
-            Layout::Constant | Layout::Vertices => None,
+            Layout::Constant | Layout::Vertices | Layout::Faces => None,
             Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
         }
     }
@@ -53,7 +55,7 @@ impl Layout {
     /// The same, to be changed.
     pub fn to_uv_mut(&mut self) -> Option<&mut Affine2> {
         match self {
-            Layout::Constant | Layout::Vertices => None,
+            Layout::Constant | Layout::Vertices | Layout::Faces => None,
             Layout::Checkerboard { to_uv } | Layout::Bitmap { to_uv, .. } => Some(to_uv),
         }
     }
@@ -79,6 +81,17 @@ impl Texture {
         }
     }
 
+    /// The attribute of a mesh that it is, such as `face_color`: its key is that of the shape, and
+    /// this.
+    pub fn attribute(&self) -> Option<&str> {
+        let start = match self.layout {
+            Layout::Vertices => self.key.rfind(".vertex_"),
+            Layout::Faces => self.key.rfind(".face_"),
+            _ => None,
+        };
+        start.map(|start| &self.key[start + 1..])
+    }
+
     /// Whether it varies over a surface.
     pub fn varies(&self) -> bool {
         self.layout != Layout::Constant
@@ -86,7 +99,10 @@ impl Texture {
 
     /// Whether it varies over texture coordinates, which a surface needs then.
     pub fn varies_by_uv(&self) -> bool {
-        !matches!(self.layout, Layout::Constant | Layout::Vertices)
+        !matches!(
+            self.layout,
+            Layout::Constant | Layout::Vertices | Layout::Faces
+        )
     }
 
     /// Which texel is `color0` (or `color1`, if `number` is 1) of a checkerboard. Mitsuba exchanges

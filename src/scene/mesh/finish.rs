@@ -1,9 +1,9 @@
 //! The last steps for every mesh: into the world, orientation, degenerate faces, normals.
 
-use super::{MeshError, RawMesh};
+use super::{Attribute, MeshError, RawMesh};
 use crate::scene::data::{Mesh, Normals};
 use crate::scene::vertex_normals::vertex_normals;
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DMat3, Vec3};
 
 /// Where a mesh goes and how it is shaded.
 pub(in crate::scene) struct Placement {
@@ -16,16 +16,31 @@ pub(in crate::scene) struct Placement {
     pub smooth: bool,
 }
 
-/// The mesh in the world, without id, material and light, and a remark if faces were dropped
-/// or there are none.
+/// A mesh in the world.
+pub(in crate::scene) struct Finished {
+    /// Without id, material and light.
+    pub mesh: Mesh,
+    pub attributes: Vec<Attribute>,
+    /// If faces were dropped, or there are none.
+    pub remark: Option<String>,
+}
+
+impl Finished {
+    fn nothing(remark: String) -> Self {
+        Self {
+            mesh: Mesh::default(),
+            attributes: Vec::new(),
+            remark: Some(remark),
+        }
+    }
+}
+
+/// Places a mesh in the world.
 ///
 /// A mesh that no ray can meet is empty.
 ///
 /// Vertices keep their numbers, also those that nothing uses: `vertex_positions` is as in the file.
-pub(in crate::scene) fn finish(
-    raw: RawMesh,
-    placement: &Placement,
-) -> Result<(Mesh, Option<String>), MeshError> {
+pub(in crate::scene) fn finish(raw: RawMesh, placement: &Placement) -> Result<Finished, MeshError> {
     let matrix = placement.to_world.matrix3;
     let determinant = matrix.determinant();
     let normal_matrix = matrix.inverse().transpose();
@@ -53,35 +68,26 @@ pub(in crate::scene) fn finish(
     let all = triangles.len();
     if all == 0 {
         let what = "the mesh has no faces: the shape is left out";
-        return Ok((Mesh::default(), Some(what.into())));
+        return Ok(Finished::nothing(what.into()));
     }
-    triangles.retain(|t| has_area(&positions, t));
+    let mut attributes = raw.attributes;
+    let have_area: Vec<bool> = triangles.iter().map(|t| has_area(&positions, t)).collect();
+    let keep = |i: usize| have_area[i];
+    for attribute in attributes.iter_mut().filter(|a| a.is_of_faces()) {
+        retain(&mut attribute.values, keep);
+    }
+    retain(&mut triangles, keep);
     let dropped = all - triangles.len();
     if triangles.is_empty() {
         let what = format!("none of the mesh's {all} faces has an area: the shape is left out");
-        return Ok((Mesh::default(), Some(what)));
+        return Ok(Finished::nothing(what));
     }
-    let normals = if placement.face_normals {
-        Normals::Flat
-    } else if let Some(given) = raw.normals {
-        let sign = if placement.flip_normals { -1.0 } else { 1.0 };
-        let world = given.iter().map(|n| (normal_matrix * n.as_dvec3()) * sign);
-        let mut units: Vec<Option<Vec3>> = world
-            .map(|n| n.try_normalize().map(|n| n.as_vec3()))
-            .collect();
-        // A normal of length zero means nothing: the vertex gets the one that its faces suggest.
-        if units.contains(&None) {
-            let computed = vertex_normals(&positions, &triangles);
-            for (unit, computed) in units.iter_mut().zip(computed) {
-                unit.get_or_insert(computed);
-            }
-        }
-        Normals::Given(units.into_iter().flatten().collect())
-    } else if placement.smooth {
-        Normals::Computed(vertex_normals(&positions, &triangles))
-    } else {
-        Normals::Flat
-    };
+    let normals = normals(
+        raw.normals,
+        placement,
+        normal_matrix,
+        (&positions, &triangles),
+    );
     let remark = (dropped > 0).then(|| {
         let s = if dropped == 1 { "" } else { "s" };
         format!("dropped {dropped} face{s} without area (of {all})")
@@ -100,7 +106,47 @@ pub(in crate::scene) fn finish(
         uvs,
         ..Mesh::default()
     };
-    Ok((mesh, remark))
+    Ok(Finished {
+        mesh,
+        attributes,
+        remark,
+    })
+}
+
+/// The normals of a placed mesh, of which the file has `given` some.
+fn normals(
+    given: Option<Vec<Vec3>>,
+    placement: &Placement,
+    normal_matrix: DMat3,
+    (positions, triangles): (&[Vec3], &[[u32; 3]]),
+) -> Normals {
+    if placement.face_normals {
+        Normals::Flat
+    } else if let Some(given) = given {
+        let sign = if placement.flip_normals { -1.0 } else { 1.0 };
+        let world = given.iter().map(|n| (normal_matrix * n.as_dvec3()) * sign);
+        let mut units: Vec<Option<Vec3>> = world
+            .map(|n| n.try_normalize().map(|n| n.as_vec3()))
+            .collect();
+        // A normal of length zero means nothing: the vertex gets the one that its faces suggest.
+        if units.contains(&None) {
+            let computed = vertex_normals(positions, triangles);
+            for (unit, computed) in units.iter_mut().zip(computed) {
+                unit.get_or_insert(computed);
+            }
+        }
+        Normals::Given(units.into_iter().flatten().collect())
+    } else if placement.smooth {
+        Normals::Computed(vertex_normals(positions, triangles))
+    } else {
+        Normals::Flat
+    }
+}
+
+/// Keeps those whose number says so.
+fn retain<T>(all: &mut Vec<T>, keep: impl Fn(usize) -> bool) {
+    let mut number = 0..;
+    all.retain(|_| number.next().is_some_and(&keep));
 }
 
 /// Whether the triangle has a normal: different corners, not in line, neither in single nor in

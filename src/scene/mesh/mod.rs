@@ -3,6 +3,7 @@
 mod finish;
 pub mod obj;
 pub mod ply;
+mod ply_attributes;
 mod ply_record;
 pub(super) mod primitives;
 pub(super) mod round;
@@ -23,8 +24,31 @@ pub struct RawMesh {
     pub normals: Option<Vec<Vec3>>,
     /// One a vertex and finite, if the file has them: as they are written, not flipped.
     pub uvs: Option<Vec<Vec2>>,
-    /// One a vertex and finite, if the file has them.
-    pub colours: Option<Vec<[f32; 3]>>,
+    /// Each name once.
+    pub attributes: Vec<Attribute>,
+}
+
+/// What every vertex, or every triangle, has one of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// As `mesh_attribute` asks for it: `vertex_color`, `face_weight`.
+    pub name: String,
+    /// 3 for colours, 1 for numbers.
+    pub channels: usize,
+    /// Finite; a number stands there three times.
+    pub values: Vec<[f32; 3]>,
+}
+
+impl Attribute {
+    /// Whether it belongs to triangles, not to vertices.
+    pub fn is_of_faces(&self) -> bool {
+        is_of_faces(&self.name)
+    }
+}
+
+/// Whether an attribute of that name belongs to triangles.
+pub fn is_of_faces(name: &str) -> bool {
+    name.starts_with("face_")
 }
 
 /// What is wrong with a mesh file, without the file's name.

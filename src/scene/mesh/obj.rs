@@ -210,7 +210,7 @@ impl ObjReader {
             triangles: self.triangles.iter().map(|t| t.map(number)).collect(),
             normals,
             uvs,
-            colours: None,
+            attributes: Vec::new(),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! PLY files: ASCII and binary of either byte order.
 
-use super::ply_record::{COLOURS, CORNER_LISTS, Record, UV_PAIRS, Words};
+use super::ply_attributes::{Columns, columns};
+use super::ply_record::{CORNER_LISTS, Record, UV_PAIRS, Words, is_known};
 use super::{MeshError, RawMesh, fan};
 use glam::{Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -152,8 +153,8 @@ struct MeshBuilder {
     has_normals: bool,
     /// Which of [`UV_PAIRS`] the file has.
     uv_pair: Option<usize>,
-    /// Which of [`COLOURS`] the file has.
-    colour: Option<usize>,
+    /// Those of vertices, then those of faces, as the mesh has them.
+    columns: [Vec<Columns>; 2],
     /// Largest corner index so far with its face: vertices may come after faces.
     largest_corner: Option<(u32, usize)>,
 }
@@ -180,15 +181,24 @@ impl MeshBuilder {
             let what = "the faces have no list \"vertex_indices\"";
             return Err(MeshError::new("", what));
         }
+        let columns = [("vertex", vertex), ("face", face)].map(|(prefix, element)| {
+            let scalars = element.properties.iter().filter_map(|(name, property)| {
+                matches!(property.data_type, PropertyType::Scalar(_)).then_some(name.as_str())
+            });
+            let others: Vec<&str> = scalars.filter(|name| !is_known(name)).collect();
+            columns(prefix, &others)
+        });
+        let mesh = RawMesh {
+            attributes: columns.iter().flatten().map(Columns::attribute).collect(),
+            ..RawMesh::default()
+        };
         Ok(Self {
-            mesh: RawMesh::default(),
+            mesh,
             has_normals: ["nx", "ny", "nz"].into_iter().all(is_number),
             uv_pair: UV_PAIRS
                 .iter()
                 .position(|pair| pair.iter().all(|name| is_number(name))),
-            colour: COLOURS
-                .iter()
-                .position(|names| names.iter().all(|name| is_number(name))),
+            columns,
             largest_corner: None,
         })
     }
@@ -230,13 +240,10 @@ impl MeshBuilder {
             }
             self.mesh.uvs.get_or_insert_default().push(uv);
         }
-        if let Some(names) = self.colour {
-            let colour = record.colours[names];
-            if !Vec3::from(colour).is_finite() {
-                let what = "the colour is not finite";
-                return Err(MeshError::new(format!(", vertex {index}"), what));
-            }
-            self.mesh.colours.get_or_insert_default().push(colour);
+        let [of_vertices, _] = &self.columns;
+        for (columns, attribute) in of_vertices.iter().zip(&mut self.mesh.attributes) {
+            let at = || format!(", vertex {index}");
+            attribute.values.push(columns.value(&record.others, at)?);
         }
         Ok(())
     }
@@ -270,6 +277,12 @@ impl MeshBuilder {
             }
         }
         self.mesh.triangles.extend(fan(&corners));
+        let [of_vertices, of_faces] = &self.columns;
+        let attributes = self.mesh.attributes.iter_mut().skip(of_vertices.len());
+        for (columns, attribute) in of_faces.iter().zip(attributes) {
+            let value = columns.value(&record.others, at)?;
+            attribute.values.resize(self.mesh.triangles.len(), value);
+        }
         Ok(())
     }
 

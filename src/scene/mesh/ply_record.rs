@@ -12,12 +12,10 @@ pub(super) const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Names of the two texture coordinates; the first pair that a file has counts, as in Mitsuba.
 pub(super) const UV_PAIRS: [[&str; 2]; 3] = [["u", "v"], ["texture_u", "texture_v"], ["s", "t"]];
 
-/// Names of a vertex's colour; the first three that a file has count.
-pub(super) const COLOURS: [[&str; 3]; 3] = [
-    ["r", "g", "b"],
-    ["red", "green", "blue"],
-    ["color_0", "color_1", "color_2"],
-];
+/// Whether [`Record`] has a place of its own for numbers of this name.
+pub(super) fn is_known(name: &str) -> bool {
+    Record::default().slot(name).is_some()
+}
 
 /// One vertex, face, or anything else: what of it a mesh needs.
 #[derive(Default)]
@@ -26,8 +24,8 @@ pub(super) struct Record {
     pub normal: [f32; 3],
     /// By [`UV_PAIRS`].
     pub uvs: [[f32; 2]; 3],
-    /// By [`COLOURS`].
-    pub colours: [[f32; 3]; COLOURS.len()],
+    /// Numbers of all other names, in the order of the header.
+    pub others: Vec<f32>,
     /// Corners of a face. Two kinds, because the parser fills a vector of the type the file has.
     pub signed_corners: Vec<i32>,
     pub corners: Vec<u32>,
@@ -35,24 +33,27 @@ pub(super) struct Record {
 }
 
 impl Record {
-    fn set_number(&mut self, name: &str, value: f32) -> PropertyAccessResult {
-        match name {
-            "x" => self.position[0] = value,
-            "y" => self.position[1] = value,
-            "z" => self.position[2] = value,
-            "nx" => self.normal[0] = value,
-            "ny" => self.normal[1] = value,
-            "nz" => self.normal[2] = value,
+    /// Where the number of this name belongs.
+    fn slot(&mut self, name: &str) -> Option<&mut f32> {
+        Some(match name {
+            "x" => &mut self.position[0],
+            "y" => &mut self.position[1],
+            "z" => &mut self.position[2],
+            "nx" => &mut self.normal[0],
+            "ny" => &mut self.normal[1],
+            "nz" => &mut self.normal[2],
             _ => {
                 let pairs = UV_PAIRS.iter().zip(&mut self.uvs);
-                let slots = pairs.flat_map(|(names, pair)| names.iter().zip(pair));
-                let colours = COLOURS.iter().zip(&mut self.colours);
-                let colours = colours.flat_map(|(names, colour)| names.iter().zip(colour));
-                match slots.chain(colours).find(|(n, _)| **n == name) {
-                    Some((_, slot)) => *slot = value,
-                    None => return PropertyAccessResult::Ignored,
-                }
+                let mut slots = pairs.flat_map(|(names, pair)| names.iter().zip(pair));
+                slots.find(|(n, _)| **n == name)?.1
             }
+        })
+    }
+
+    fn set_number(&mut self, name: &str, value: f32) -> PropertyAccessResult {
+        match self.slot(name) {
+            Some(slot) => *slot = value,
+            None => self.others.push(value),
         }
         PropertyAccessResult::Set
     }

@@ -70,7 +70,7 @@ pub fn parse(bytes: &[u8], number: u32) -> Result<RawMesh, MeshError> {
         triangles: corners,
         normals: given(NORMALS).then_some(normals),
         uvs: given(TEXTURE_COORDINATES).then_some(uvs),
-        colours: None,
+        attributes: Vec::new(),
     })
 }
 

@@ -115,7 +115,7 @@ impl<'s> Slots<'s> {
                 }
                 out.push(entry);
             }
-            Layout::Vertices => {
+            Layout::Vertices | Layout::Faces => {
                 let shape = [texture.texels.len(), channels];
                 out.push(self.entry(t, "", &shape, Target::Texels(t)));
             }

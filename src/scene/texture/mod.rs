@@ -73,8 +73,10 @@ pub(super) const RELATIVE_IOR: Kind = Kind {
     limits: [0.01, 100.0],
 };
 
-/// Colours that wait for the vertices that have them.
-struct Attribute {
+/// What waits for the mesh that has it.
+struct Awaited {
+    /// `vertex_color`.
+    name: String,
     scale: f32,
     place: Place,
 }
@@ -87,8 +89,8 @@ pub(super) struct Textures {
     pub remarks: Vec<String>,
     /// By the texture element that they come from.
     by_object: HashMap<usize, usize>,
-    /// Those that wait for the colours of a mesh's vertices.
-    waiting: HashMap<usize, Attribute>,
+    /// Those that wait for an attribute of a mesh.
+    waiting: HashMap<usize, Awaited>,
 }
 
 impl Textures {
@@ -129,7 +131,7 @@ impl Textures {
         let object = &tree.objects[index];
         let key = input.scene_id(index).unwrap_or(key).to_string();
         if object.plugin == "mesh_attribute" {
-            let texture = self.attribute(tree, object, key, kind, place)?;
+            let texture = self.attribute(tree, object, key, kind)?;
             self.by_object.insert(index, texture);
             return Ok(texture);
         }
@@ -195,6 +197,7 @@ fn check(texture: &Texture, place: &Place) -> Result<(), SceneError> {
     };
     let at = match texture.layout {
         Layout::Vertices => format!("vertex {texel} has"),
+        Layout::Faces => format!("face {texel} has"),
         Layout::Bitmap { width, .. } => format!(
             "column {}, row {} of the picture is",
             texel % width as usize,

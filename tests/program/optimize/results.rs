@@ -1,7 +1,50 @@
 //! What a run leaves behind.
 
 use super::{CONFIG, optimize};
-use crate::workplace::{text, warpath, workplace};
+use crate::workplace::{SCENE, text, warpath, workplace};
+
+/// Colours and numbers of vertices and faces.
+const KITE: &str = "ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+property float color_0
+property float color_1
+property float color_2
+property float part_0
+element face 2
+property list uchar int vertex_indices
+property float color_0
+property float color_1
+property float color_2
+property float share_0
+end_header
+-1 -1 0.4 0.1 0.2 0.3 0.2
+0 -1 0.4 0.4 0.5 0.6 0.9
+-1 0 0.4 0.7 0.8 0.9 0.4
+0 0 0.4 0.2 0.9 0.1 0.7
+3 0 1 2 0.9 0.1 0.1 0.3
+3 1 3 2 0.1 0.1 0.9 0.8
+";
+
+const PAINTED: &str = r#"
+  <shape type="ply" id="kite"><string name="filename" value="kite.ply"/>
+    <bsdf type="mask">
+      <texture type="mesh_attribute" name="opacity"><string name="name" value="vertex_part"/></texture>
+      <bsdf type="blendbsdf">
+        <texture type="mesh_attribute" name="weight"><string name="name" value="face_share"/></texture>
+        <bsdf type="diffuse">
+          <texture type="mesh_attribute" name="reflectance"><string name="name" value="vertex_color"/></texture>
+        </bsdf>
+        <bsdf type="diffuse">
+          <texture type="mesh_attribute" name="reflectance"><string name="name" value="face_color"/></texture>
+        </bsdf>
+      </bsdf>
+    </bsdf>
+  </shape>
+</scene>"#;
 
 #[test]
 fn files_are_what_they_are_said_to_be() {
@@ -54,6 +97,8 @@ fn the_final_scene_is_the_scene() {
     let at = directory.path();
     let config = CONFIG.replace("start = [0.1, 0, 0]", "start = [0, 0, 0]\nlr = 1e-30");
     std::fs::write(at.join("c.toml"), config).unwrap();
+    std::fs::write(at.join("kite.ply"), KITE).unwrap();
+    std::fs::write(at.join("s.xml"), SCENE.replace("</scene>", PAINTED)).unwrap();
     let (code, said) = optimize(at, "c.toml", &["-o", "out", "--quiet"]);
     assert_eq!(code, Some(0), "{said}");
     let mut images = Vec::new();

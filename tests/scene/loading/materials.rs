@@ -3,7 +3,7 @@
 use super::{SENSOR, colour, scene, with_files};
 use glam::Vec2;
 use warpath::scene::source::Memory;
-use warpath::scene::{Bsdf, Distribution, Layout, Microfacets, Scene};
+use warpath::scene::{Bsdf, Distribution, Layout, Microfacets, Scene, load_from};
 
 #[test]
 fn references_share_materials_and_colours_have_many_spellings() {
@@ -243,6 +243,52 @@ fn mixtures_and_layers_have_mitsubas_keys() {
     let leaf = scene.meshes[0].material;
     assert!(scene.passes_straight_on(leaf));
     assert_eq!(scene.parts_of(leaf).len(), 2);
+}
+
+/// Faces without area are left out with what belongs to them.
+#[test]
+fn faces_bring_numbers_and_colours() {
+    let file = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                property float my_weight_0\nelement face 3\nproperty list uchar int vertex_indices\nproperty float r\n\
+                property float g\nproperty float b\nproperty float rough_0\nproperty float two_0\nproperty float two_1\n\
+                end_header\n0 0 0 0.1\n1 0 0 0.2\n0 1 0 0.3\n1 1 0 0.4\n\
+                3 0 1 2 0.1 0.2 0.3 0.4 0 0\n3 0 0 2 0.5 0.5 0.5 0.5 0 0\n3 1 3 2 0.6 0.7 0.8 0.9 0 0\n";
+    let files = || Memory::new().with("s/a.ply", file);
+    let shape = |alpha: &str| {
+        format!(
+            "<shape type=\"ply\" id=\"kite\"><string name=\"filename\" value=\"a.ply\"/><bsdf type=\"roughconductor\">\
+             <texture type=\"mesh_attribute\" name=\"specular_reflectance\"><string name=\"name\" value=\"face_color\"/>\
+             </texture><texture type=\"mesh_attribute\" name=\"alpha\"><string name=\"name\" value=\"{alpha}\"/>\
+             </texture></bsdf></shape>{SENSOR}"
+        )
+    };
+    let scene = with_files(&shape("face_rough"), files(), &[]);
+    let texture = |key: &str| {
+        let mut textures = scene.textures.iter();
+        textures.find(|t| t.key == key).expect("a texture")
+    };
+    let colour = texture("kite.face_color");
+    assert_eq!(colour.layout, Layout::Faces);
+    assert_eq!(colour.texels, [[0.1, 0.2, 0.3], [0.6, 0.7, 0.8]]);
+    assert_eq!(texture("kite.face_rough").texels, [[0.4; 3], [0.9; 3]]);
+    let found = warpath::scene::parameters::find(&scene, "kite.face_rough");
+    assert_eq!(found.expect("numbers").shape, [2, 1]);
+    let scene = with_files(&shape("vertex_my_weight"), files(), &[]);
+    let weights = scene
+        .textures
+        .iter()
+        .find(|t| t.key == "kite.vertex_my_weight");
+    assert_eq!(weights.expect("numbers").texels.len(), 4);
+    for (name, message) in [
+        ("face_two", "\"face_color\", \"face_rough\""),
+        ("face_color", "three numbers where one number"),
+    ] {
+        let text = format!("<scene version=\"3.0.0\">\n{}</scene>", shape(name));
+        let files = files().with("s/s.xml", text);
+        let error = load_from(&files, "s/s.xml", &[]).expect_err("refused");
+        let error = error.to_string();
+        assert!(error.contains(message), "{error}");
+    }
 }
 
 /// Colours are as the file has them, and bytes are no fractions, as in Mitsuba.
