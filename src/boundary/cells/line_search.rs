@@ -19,6 +19,7 @@ use crate::paths::counts::Counts;
 use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// An interval of a line, or a part of one. Places on it go from 0 to 1.
 pub trait Cell: Copy {
@@ -176,27 +177,33 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         rest
     }
 
-    /// Looks again at what was met, with `looks` looks each in all, and takes their mean. `look` is
-    /// also given the number of the look, from 1 on.
+    /// Looks again at what was met, as often as `again` says of each, and takes the mean of these looks.
+    /// `look` is given the numbers of the lanes' looks.
     pub fn look_again(
         &mut self,
-        looks: &[u32],
-        mut look: impl FnMut(u32, &[Candidate<C>], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
+        again: &[Range<u32>],
+        mut look: impl FnMut(&[u32; LANES], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
     ) {
-        let most = looks.iter().copied().max().unwrap_or(1);
-        for number in 1..most {
-            let again: Vec<usize> = (0..looks.len()).filter(|&i| looks[i] > number).collect();
-            for group in again.chunks(LANES / 2) {
-                let candidates: Vec<_> = group.iter().map(|&i| self.met[i].at).collect();
-                let (directions, sides) = beside(&candidates);
-                let (radiance, _) = look(number, &candidates, &directions, sides, self.counts);
-                for (lane, &i) in group.iter().enumerate() {
-                    self.met[i].jump += candidates[lane].jump(radiance, lane);
-                }
+        for (met, again) in self.met.iter_mut().zip(again) {
+            if !again.is_empty() {
+                met.jump = DVec3::ZERO;
             }
         }
-        for (met, &looks) in self.met.iter_mut().zip(looks) {
-            met.jump /= f64::from(looks);
+        for round in 0..again.iter().map(Range::len).max().unwrap_or(0) {
+            let rest: Vec<usize> = (0..again.len())
+                .filter(|&i| again[i].len() > round)
+                .collect();
+            for group in rest.chunks(LANES / 2) {
+                let candidates: Vec<_> = group.iter().map(|&i| self.met[i].at).collect();
+                let (directions, sides) = beside(&candidates);
+                let number = |&i: &usize| again[i].start + round as u32;
+                let numbers = std::array::from_fn(|lane| group.get(lane / 2).map_or(0, number));
+                let (radiance, _) = look(&numbers, &directions, sides, self.counts);
+                for (lane, &i) in group.iter().enumerate() {
+                    let looks = again[i].len() as f64;
+                    self.met[i].jump += candidates[lane].jump(radiance, lane) / looks;
+                }
+            }
         }
     }
 

@@ -12,6 +12,9 @@ use crate::trace::geometry::Geometry;
 use glam::DVec3;
 use std::ops::Range;
 
+/// Height over length of a triangle that is a line for who looks.
+const SLIVER: f64 = 1e-5;
+
 /// An edge, and what hangs on it.
 #[derive(Clone, Debug)]
 pub struct SceneEdge {
@@ -113,7 +116,8 @@ impl SceneEdges {
         }
     }
 
-    /// Edges of one triangle, and of more than two.
+    /// Edges of one triangle, and of more than two. Slivers that hang on an edge are left out: probes
+    /// look past them, and would find what jumps at that edge at the sliver's others, too.
     fn add_borders(&mut self, geometry: &Geometry, adjacency: &Adjacency, mesh: usize) {
         let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
         let welded = geometry.welded(mesh);
@@ -121,7 +125,7 @@ impl SceneEdges {
         let mut borders = Vec::new();
         for triangle in first..end {
             for corner in 0..3 {
-                if adjacency.across(triangle, corner).is_none() {
+                if adjacency.across(triangle, corner).is_none() && !is_sliver(geometry, triangle) {
                     let [a, b] = ends(geometry, triangle, corner).map(weld);
                     borders.push(([a.min(b), a.max(b)], triangle, corner));
                 }
@@ -182,6 +186,15 @@ impl SceneEdges {
         let first = sides.next()??;
         sides.all(|side| side == Some(first)).then_some(first)
     }
+}
+
+/// Whether a triangle is so thin that probes beside its edges look past it.
+fn is_sliver(geometry: &Geometry, triangle: u32) -> bool {
+    let position = |v: u32| geometry.positions[v as usize].as_dvec3();
+    let [a, b, c] = geometry.triangles[triangle as usize].map(position);
+    let sides = [b - a, c - b, a - c].map(DVec3::length_squared);
+    let longest_squared = sides.into_iter().fold(0.0, f64::max);
+    (b - a).cross(c - a).length() < SLIVER * longest_squared
 }
 
 fn ends(geometry: &Geometry, triangle: u32, corner: usize) -> [u32; 2] {

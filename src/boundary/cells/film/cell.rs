@@ -10,6 +10,7 @@ use crate::discontinuity::crossing::Crossing;
 use crate::paths::counts::Counts;
 use crate::paths::estimator::FilmTile;
 use crate::paths::moving::Sector;
+use crate::paths::random::morton;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec3, Vec3};
 
@@ -18,6 +19,9 @@ const PROBE_PIXELS: f64 = 1e-3;
 
 /// What is said to look alike does so for so many points of the lattice all around.
 const ABOUT: usize = 3;
+/// What is said to be even is so for so many: where one path in eight finds something else, of fewer
+/// paths often none does.
+const EVEN_ABOUT: usize = 8;
 
 /// A row (axis 0) or a column (axis 1) of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -107,7 +111,7 @@ impl<'a> LatticeCells<'a> {
     pub fn looks_alike(&self, line: LatticeLine, at: usize) -> bool {
         let radiance = &self.film.image.radiance;
         let first = radiance[self.index(line, at)];
-        self.all_about(line, at, |point, _| radiance[point] == first)
+        self.all_about(line, at, ABOUT, |point, _| radiance[point] == first)
     }
 
     /// Whether each of these points has the radiance of the one of the two that sees its mesh, up to
@@ -116,7 +120,7 @@ impl<'a> LatticeCells<'a> {
         let radiance = |point: usize| Vec3::from(self.film.image.radiance[point]).as_dvec3();
         let [a, b] = [at, at + 1].map(|at| radiance(self.index(line, at)));
         let most = part * a.distance(b);
-        self.all_about(line, at, |point, [as_a, as_b]| {
+        self.all_about(line, at, EVEN_ABOUT, |point, [as_a, as_b]| {
             let near = |end: DVec3| radiance(point).distance(end) <= most;
             as_a && near(a) || as_b && near(b)
         })
@@ -128,6 +132,7 @@ impl<'a> LatticeCells<'a> {
         &self,
         line: LatticeLine,
         at: usize,
+        about: usize,
         holds: impl Fn(usize, [bool; 2]) -> bool,
     ) -> bool {
         let FilmTile {
@@ -138,13 +143,13 @@ impl<'a> LatticeCells<'a> {
             (triangle != NO_TRIANGLE).then(|| view.geometry.mesh_of_triangle[triangle as usize])
         };
         let meshes = [at, at + 1].map(|at| mesh(self.index(line, at)));
-        let about = |number: usize, most: usize, points: usize| {
-            number.saturating_sub(ABOUT)..(number + most + ABOUT).min(points)
+        let around = |number: usize, most: usize, points: usize| {
+            number.saturating_sub(about)..(number + most + about).min(points)
         };
         let [along, across] = [tile.points[line.axis], tile.points[1 - line.axis]];
-        about(line.number, 1, across).all(|number| {
+        around(line.number, 1, across).all(|number| {
             let line = LatticeLine { number, ..line };
-            about(at, 2, along).all(|at| {
+            around(at, 2, along).all(|at| {
                 let point = self.index(line, at);
                 let sees = meshes.map(|of_end| of_end == mesh(point));
                 sees == [false; 2] || holds(point, sees)
@@ -193,6 +198,22 @@ impl FilmCell<'_> {
         let [columns, rows] = self.cells.film.tile.points;
         let LatticeLine { axis, number } = self.line;
         self.numbers = (2 * columns * rows + axis * rows + number) as u32;
+    }
+
+    /// The number of its line among all of the tile, if it is one of a crowd.
+    pub fn line_of_crowd(&self) -> Option<u32> {
+        let [columns, rows] = self.cells.film.tile.points;
+        self.numbers.checked_sub((2 * columns * rows) as u32)
+    }
+
+    /// Of where it starts: cells with like ones are near each other.
+    pub fn morton(&self) -> u32 {
+        let tile = self.cells.film.tile;
+        let [column, row] = [0, 1].map(|axis| {
+            let along = (self.start[axis] - tile.first[axis]) / tile.step[axis];
+            along.round().max(0.0) as u32
+        });
+        morton(column, row)
     }
 
     /// Film position of a place.

@@ -5,9 +5,14 @@
 //! that of the light on both sides, would fall as much more slowly than that of all else: of a ball
 //! under an even sky it was nearly all of the variance with 64 samples a pixel. Where crossings are
 //! few many looks cost little.
+//!
+//! The looks at one place, and at the places about it, have consecutive numbers of a sequence whose
+//! blocks are well spread over bounces and lights (`paths::random`). A pixel's part of an outline is
+//! then looked at from as many different directions as there are looks in it.
 
 use super::cell::FilmCell;
 use crate::boundary::cells::line_search::{Candidate, Jump};
+use std::ops::Range;
 
 /// Of a tile, so many come to one look, which is from both sides. It takes less than a sample, whose
 /// path looks for borders.
@@ -20,9 +25,43 @@ const MOST_LOOKS: usize = 16;
 /// given to it, up to so many: more are as good for specks, and cost time in hair.
 const MOST_BY_CHANCE: f64 = 8.0;
 
-/// For each of what was met with these chances among a tile's samples. Where the light hardly varies
-/// beside a border one look says all.
-pub fn looks(met: &[Jump<FilmCell>], chances: &[f64], samples: usize) -> Vec<u32> {
+/// Which looks each of what was met has, beyond the first: they count in its place, which was one of
+/// its own. None where the light hardly varies beside a border: there the first says all. `points` are
+/// those of the tile.
+pub fn again(
+    met: &[Jump<FilmCell>],
+    chances: &[f64],
+    samples: usize,
+    points: [usize; 2],
+) -> Vec<Range<u32>> {
+    let looks = looks(met, chances, samples);
+    let mut again = vec![0..0; met.len()];
+    // In a crowd all of a line have the same numbers (`FilmCell::crowd`).
+    let mut next = ((points[0] + points[1]) * MOST_LOOKS) as u32;
+    let mut by_place: Vec<usize> = Vec::new();
+    for (number, met) in met.iter().enumerate().filter(|(i, _)| looks[*i] > 1) {
+        match met.at.cell.line_of_crowd() {
+            Some(line) => {
+                let first = line * MOST_LOOKS as u32;
+                again[number] = first..first + looks[number];
+            }
+            None => by_place.push(number),
+        }
+    }
+    let place = |number: &usize| {
+        let cell = &met[*number].at.cell;
+        (cell.morton(), cell.axis())
+    };
+    by_place.sort_by_key(place);
+    for number in by_place {
+        again[number] = next..next + looks[number];
+        next += looks[number];
+    }
+    again
+}
+
+/// How often to look at each of what was met with these chances among a tile's samples.
+fn looks(met: &[Jump<FilmCell>], chances: &[f64], samples: usize) -> Vec<u32> {
     let varies = |met: &Jump<FilmCell>| {
         let Candidate { crossing, cell, .. } = &met.at;
         met.at.may_jump() && !cell.is_even_beside(crossing.s, EVEN)

@@ -48,8 +48,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
             cell.crowd();
         }
     }
-    let stream_of = |look: u32| film.tile.stream.branch(Branch::FilmProbe, [look, 0, 0]);
-    let stream = stream_of(0);
+    let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
     for _ in 0..ROUNDS {
         candidates = search.probe(&candidates, |group, directions, sides, counts| {
             let index = numbers(group);
@@ -64,10 +63,10 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .retain(|met| film.tile.contains(met.at.cell.position(met.at.crossing.s)));
     let chances = weights::chances(&cells, &mut search, &skipped);
     let samples = film.image.radiance.len();
-    let looks = looks::looks(&search.met, &chances, samples);
-    search.look_again(&looks, |number, group, directions, sides, counts| {
-        let (index, stream) = (numbers(group), stream_of(number));
-        look(&cells, (directions, sides), &stream, &index, counts)
+    let again = looks::again(&search.met, &chances, samples, film.tile.points);
+    let of_looks = film.tile.stream.branch(Branch::FilmProbe, [1, 0, 0]);
+    search.look_again(&again, |index, directions, sides, counts| {
+        look(&cells, (directions, sides), &of_looks, index, counts)
     });
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
