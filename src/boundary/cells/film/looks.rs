@@ -25,9 +25,8 @@ const MOST_LOOKS: usize = 16;
 /// given to it, up to so many: more are as good for specks, and cost time in hair.
 const MOST_BY_CHANCE: f64 = 8.0;
 
-/// Which looks each of what was met has, beyond the first: they count in its place, which was one of
-/// its own. None where the light hardly varies beside a border: there the first says all. `points` are
-/// those of the tile.
+/// Which looks each of what was met has after the first, in whose place they count. None where the
+/// light hardly varies beside a border: there the first says all. `points` are those of the tile.
 pub fn again(
     met: &[Jump<FilmCell>],
     chances: &[f64],
