@@ -121,6 +121,8 @@ pub enum Branch {
     Kernel,
     /// Paths through facets that are seen edge-on.
     EdgeOn,
+    /// Further paths that begin beside what the camera sees.
+    FilmLook,
 }
 
 impl Stream {

@@ -64,7 +64,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let chances = weights::chances(&cells, &mut search, &skipped);
     let samples = film.image.radiance.len();
     let again = looks::again(&search.met, &chances, samples, film.tile.points);
-    let of_looks = film.tile.stream.branch(Branch::FilmProbe, [1, 0, 0]);
+    let of_looks = film.tile.stream.branch(Branch::FilmLook, [0; 3]);
     search.look_again(&again, |index, directions, sides, counts| {
         look(&cells, (directions, sides), &of_looks, index, counts)
     });
