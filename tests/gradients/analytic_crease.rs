@@ -7,7 +7,9 @@
 //! atan(h/(a + δ)), for an eye at height h and distance a.
 //!
 //! A pixel is some hundredth of a unit wide: what lies a thousandth of that beside the line is
-//! nearer to the other plane than rays keep from the surfaces that they leave.
+//! nearer to the other plane than rays keep from the surfaces that they leave. The planes must be
+//! large for that: past the ends of planes of a tenth of the size so much of the sky is seen that the
+//! gradient is off by 0.8 %.
 
 use common::scenes::*;
 use common::statistics::Estimate;
@@ -25,7 +27,7 @@ const RUNS: u64 = 128;
 #[test]
 fn a_plate_in_a_floor() {
     let (sin, cos) = LEAN_DEG.to_radians().sin_cos();
-    let far = 20.0;
+    let far = 200.0;
     let up = vec3(-cos as f32, 0.0, sin as f32) * far;
     let along = vec3(0.0, far, 0.0);
     let plate = parallelogram(-along - up, 2.0 * along, 2.0 * up);
@@ -49,6 +51,6 @@ fn a_plate_in_a_floor() {
     };
     let ours = Estimate::mean(&(1..=RUNS).map(run).collect::<Vec<f64>>());
     println!("truth {truth:.5}: {:.5} ± {:.5}", ours.value, ours.error);
-    assert!(ours.error < 0.02 * truth, "nothing can be said");
+    assert!(ours.error < 0.003 * truth, "nothing can be said");
     assert!(ours.z(truth).abs() < 4.0, "{} ± {}", ours.value, ours.error);
 }
