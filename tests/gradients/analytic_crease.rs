@@ -8,8 +8,8 @@
 //!
 //! A pixel is some hundredth of a unit wide: what lies a thousandth of that beside the line is
 //! nearer to the other plane than rays keep from the surfaces that they leave. The planes must be
-//! large for that: past the ends of planes of a tenth of the size so much of the sky is seen that the
-//! gradient is off by 0.8 %.
+//! large for that: past the ends of planes of a tenth of the size so much of the sky is seen that
+//! the gradient is off by 0.8 %.
 
 use common::scenes::*;
 use common::statistics::Estimate;

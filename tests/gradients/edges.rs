@@ -147,8 +147,8 @@ fn horizons_of_facets() {
     agree(&turning.sunny(), &turns, 256, 0.05);
 }
 
-/// Triangles thinner than what probes tell apart hang on every third edge of a ball, as scanners leave
-/// them: what jumps at such an edge counts once.
+/// Triangles thinner than what probes tell apart hang on every third edge of a ball, as scanners
+/// leave them: what jumps at such an edge counts once.
 #[test]
 fn slivers_on_edges() {
     let (mut positions, mut triangles) = ball(2, vec3(0.1, 0.0, 0.05), 0.7);

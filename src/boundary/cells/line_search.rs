@@ -177,8 +177,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         rest
     }
 
-    /// Looks again at what was met, as often as `again` says of each, and takes the mean of these looks.
-    /// `look` is given the numbers of the lanes' looks.
+    /// Looks again at what was met, as often as `again` says of each, and takes the mean of these
+    /// looks. `look` is given the numbers of the lanes' looks.
     pub fn look_again(
         &mut self,
         again: &[Range<u32>],

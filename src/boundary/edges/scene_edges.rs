@@ -116,8 +116,8 @@ impl SceneEdges {
         }
     }
 
-    /// Edges of one triangle, and of more than two. Slivers that hang on an edge are left out: probes
-    /// look past them, and would find what jumps at that edge at the sliver's others, too.
+    /// Edges of one triangle, and of more than two. Slivers that hang on an edge are left out:
+    /// probes look past them, and would find what jumps at that edge at the sliver's others, too.
     fn add_borders(&mut self, geometry: &Geometry, adjacency: &Adjacency, mesh: usize) {
         let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
         let welded = geometry.welded(mesh);

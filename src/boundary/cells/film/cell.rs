@@ -19,8 +19,8 @@ const PROBE_PIXELS: f64 = 1e-3;
 
 /// What is said to look alike does so for so many points of the lattice all around.
 const ABOUT: usize = 3;
-/// What is said to be even is so for so many: where one path in eight finds something else, of fewer
-/// paths often none does.
+/// What is said to be even is so for so many: where one path in eight finds something else, of
+/// fewer paths often none does.
 const EVEN_ABOUT: usize = 8;
 
 /// A row (axis 0) or a column (axis 1) of the lattice.

@@ -7,8 +7,8 @@
 //! few many looks cost little.
 //!
 //! The looks at one place, and at the places about it, have consecutive numbers of a sequence whose
-//! blocks are well spread over bounces and lights (`paths::random`). A pixel's part of an outline is
-//! then looked at from as many different directions as there are looks in it.
+//! blocks are well spread over bounces and lights (`paths::random`). A pixel's part of an outline
+//! is then looked at from as many different directions as there are looks in it.
 
 use super::cell::FilmCell;
 use crate::boundary::cells::line_search::{Candidate, Jump};
