@@ -78,24 +78,21 @@ fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
     Some([ends.next()?, ends.next()?])
 }
 
-/// Whether pictures jump across the edge that starts at `corner` of a triangle, as their texture
-/// coordinates do, or since every triangle has a colour of its own.
+/// Whether pictures jump across the edge that starts at `corner` of a triangle: as their texture
+/// coordinates do, or since both sides have vertices, or triangles, with values of their own.
 pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let Some(pattern) = geometry.pattern(triangle) else {
         return false;
     };
-    if pattern.jumps_between_triangles {
-        return true;
-    }
     let edge = |triangle: u32, corner: usize| {
         let vertices = geometry.triangles[triangle as usize];
-        [vertices[corner], vertices[(corner + 1) % 3]].map(|v| geometry.uvs[v as usize])
+        [vertices[corner], vertices[(corner + 1) % 3]]
     };
-    let [a, b] = edge(triangle, corner);
+    let own = edge(triangle, corner);
     let [c, d] = edge(across.triangle, across.corner);
-    if across.flipped {
-        [a, b] != [c, d]
-    } else {
-        [a, b] != [d, c]
-    }
+    let other = if across.flipped { [c, d] } else { [d, c] };
+    let uv = |v: u32| geometry.uvs[v as usize];
+    pattern.of_faces
+        || (pattern.of_vertices && own != other)
+        || (pattern.by_uv && own.map(uv) != other.map(uv))
 }

@@ -9,8 +9,12 @@ pub struct Pattern {
     /// picture jumps where one is an integer. None if all pictures are smooth; those jump at most
     /// across seams of the texture coordinates.
     pub rulings: Vec<DVec3>,
+    /// Whether any lie by texture coordinates.
+    pub by_uv: bool,
+    /// Whether vertices have values of their own, so that they jump where two vertices have one place.
+    pub of_vertices: bool,
     /// Whether every triangle has a value of its own.
-    pub jumps_between_triangles: bool,
+    pub of_faces: bool,
 }
 
 impl Pattern {
@@ -21,10 +25,10 @@ impl Pattern {
         textures.sort_unstable();
         textures.dedup();
         let layouts = textures.iter().map(|&t| scene.textures[t].layout);
-        let pictures: Vec<Layout> = layouts
-            .filter(|l| !matches!(l, Layout::Constant | Layout::Vertices))
-            .collect();
-        let jumps_between_triangles = pictures.contains(&Layout::Faces);
+        let pictures: Vec<Layout> = layouts.filter(|l| *l != Layout::Constant).collect();
+        let by_uv = pictures.iter().any(|l| l.to_uv().is_some()) && !mesh.uvs.is_empty();
+        let [of_vertices, of_faces] =
+            [Layout::Vertices, Layout::Faces].map(|layout| pictures.contains(&layout));
         let mut rulings: Vec<DVec3> = pictures.iter().flat_map(rulings).collect();
         for material in scene.parts_of(mesh.material) {
             if let Some(Relief {
@@ -36,10 +40,11 @@ impl Pattern {
                 rulings.extend(bends(&scene.textures[texture].layout));
             }
         }
-        let may_jump = jumps_between_triangles || !(pictures.is_empty() || mesh.uvs.is_empty());
-        may_jump.then_some(Self {
+        (by_uv || of_vertices || of_faces).then_some(Self {
             rulings,
-            jumps_between_triangles,
+            by_uv,
+            of_vertices,
+            of_faces,
         })
     }
 }

@@ -6,7 +6,7 @@ use common::materials::Paint;
 use common::scenes::*;
 use glam::vec3;
 use warpath::scene::Distribution::Ggx;
-use warpath::scene::Scene;
+use warpath::scene::{Layout, Scene};
 
 fn moved(scene: &Scene, parts: &[(&str, &[f32])]) {
     check(scene, parts, 64, None, Fails);
@@ -73,4 +73,25 @@ fn faces_with_colours_of_their_own() {
     moved(&scene, &[("ball.rotation", &[0.1, 0.2, 1.0])]);
     let colours = vec![0.3; 3 * scene.meshes.last().expect("the ball").triangles.len()];
     check(&scene, &[("ball.face_color", &colours)], 64, None, Agrees);
+}
+
+/// Triangles that do not share the vertices in which they meet. In a plane, where nothing else jumps.
+#[test]
+fn vertices_with_colours_that_are_not_shared() {
+    let mut scene = close_up().constant_environment(SKY).faces("floor");
+    let mesh = scene
+        .meshes
+        .iter_mut()
+        .find(|m| m.id == "floor")
+        .expect("it");
+    let corners = mesh.triangles.iter().flatten();
+    mesh.positions = corners.map(|&v| mesh.positions[v as usize]).collect();
+    mesh.triangles = vec![[0, 1, 2], [3, 4, 5]];
+    let mut textures = scene.textures.iter_mut();
+    let texture = textures.find(|t| t.layout == Layout::Faces).expect("it");
+    texture.layout = Layout::Vertices;
+    texture.texels = (0..6)
+        .map(|i| [0.15 * i as f32, 0.4, 0.9 - 0.1 * i as f32])
+        .collect();
+    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
 }
