@@ -35,7 +35,7 @@ pub struct Attribute {
     pub name: String,
     /// 3 for colours, 1 for numbers.
     pub channels: usize,
-    /// Finite; a number stands there three times.
+    /// Anything that the file says; a number stands there three times.
     pub values: Vec<[f32; 3]>,
 }
 

@@ -242,8 +242,7 @@ impl MeshBuilder {
         }
         let [of_vertices, _] = &self.columns;
         for (columns, attribute) in of_vertices.iter().zip(&mut self.mesh.attributes) {
-            let at = || format!(", vertex {index}");
-            attribute.values.push(columns.value(&record.others, at)?);
+            attribute.values.push(columns.value(&record.others));
         }
         Ok(())
     }
@@ -280,7 +279,7 @@ impl MeshBuilder {
         let [of_vertices, of_faces] = &self.columns;
         let attributes = self.mesh.attributes.iter_mut().skip(of_vertices.len());
         for (columns, attribute) in of_faces.iter().zip(attributes) {
-            let value = columns.value(&record.others, at)?;
+            let value = columns.value(&record.others);
             attribute.values.resize(self.mesh.triangles.len(), value);
         }
         Ok(())

@@ -91,6 +91,14 @@ impl Textures {
                 );
                 return Err(SceneError::at(&place, what));
             }
+            if !found.values.iter().flatten().all(|v| v.is_finite()) {
+                let what = format!(
+                    "\"{}\" of \"{}\" has numbers that are not finite",
+                    shown(&name),
+                    shown(id)
+                );
+                return Err(SceneError::at(&place, what));
+            }
             texture.texels = found.values.iter().map(|v| v.map(|v| v * scale)).collect();
             texture.key = format!("{id}.{name}");
             if texture.channels == 1 {

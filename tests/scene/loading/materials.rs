@@ -245,14 +245,15 @@ fn mixtures_and_layers_have_mitsubas_keys() {
     assert_eq!(scene.parts_of(leaf).len(), 2);
 }
 
-/// Faces without area are left out with what belongs to them.
+/// Faces without area are left out with what belongs to them. What nobody asks for may be anything.
 #[test]
 fn faces_bring_numbers_and_colours() {
     let file = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                 property float my_weight_0\nelement face 3\nproperty list uchar int vertex_indices\nproperty float r\n\
                 property float g\nproperty float b\nproperty float rough_0\nproperty float two_0\nproperty float two_1\n\
+                property float odd_0\n\
                 end_header\n0 0 0 0.1\n1 0 0 0.2\n0 1 0 0.3\n1 1 0 0.4\n\
-                3 0 1 2 0.1 0.2 0.3 0.4 0 0\n3 0 0 2 0.5 0.5 0.5 0.5 0 0\n3 1 3 2 0.6 0.7 0.8 0.9 0 0\n";
+                3 0 1 2 0.1 0.2 0.3 0.4 0 0 1\n3 0 0 2 0.5 0.5 0.5 0.5 0 0 1\n3 1 3 2 0.6 0.7 0.8 0.9 0 0 nan\n";
     let files = || Memory::new().with("s/a.ply", file);
     let shape = |alpha: &str| {
         format!(
@@ -280,6 +281,7 @@ fn faces_bring_numbers_and_colours() {
         .find(|t| t.key == "kite.vertex_my_weight");
     assert_eq!(weights.expect("numbers").texels.len(), 4);
     for (name, message) in [
+        ("face_odd", "not finite"),
         ("face_two", "\"face_color\", \"face_rough\""),
         ("face_color", "three numbers where one number"),
     ] {
