@@ -1,5 +1,5 @@
-//! Texture edges: where a texture jumps within a triangle, or between two whose texture coordinates
-//! do not continue each other.
+//! Texture edges: where a texture jumps within a triangle, or between two that do not continue each
+//! other: in their texture coordinates, or in the attributes of vertices and faces.
 //!
 //! Seen from o along d, the barycentrics of a triangle's point are as wᵢ = d·(pⱼ × pₖ): linear in d
 //! up to their sum. A coordinate g of the picture is Σwᵢgᵢ/Σwᵢ, so g = k is Σwᵢ(gᵢ − k) = 0: on an

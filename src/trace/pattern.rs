@@ -6,14 +6,13 @@ use glam::{DVec3, Vec2};
 /// The pictures on a mesh.
 pub struct Pattern {
     /// Coordinates that are linear over texture coordinates, as (a, b, c) of a·u + b·v + c: a
-    /// picture jumps where one is an integer. None if all pictures are smooth; those jump at most
-    /// across seams of the texture coordinates.
+    /// picture jumps where one is an integer. None if all pictures are smooth within a triangle.
     pub rulings: Vec<DVec3>,
-    /// Whether any lie by texture coordinates.
+    /// Whether any lie by texture coordinates, across whose seams they jump.
     pub by_uv: bool,
-    /// Whether vertices have values of their own, so that they jump where two vertices have one place.
+    /// Whether vertices have values, which jump where two vertices have one place.
     pub of_vertices: bool,
-    /// Whether every triangle has a value of its own.
+    /// Whether triangles have values, which jump from one to the next.
     pub of_faces: bool,
 }
 
