@@ -75,23 +75,27 @@ fn faces_with_colours_of_their_own() {
     check(&scene, &[("ball.face_color", &colours)], 64, None, Agrees);
 }
 
-/// Triangles that do not share the vertices in which they meet. In a plane, where nothing else jumps.
+/// On a smooth ball whose triangles share no vertices, nothing but the colours jumps.
 #[test]
 fn vertices_with_colours_that_are_not_shared() {
-    let mut scene = close_up().constant_environment(SKY).faces("floor");
-    let mesh = scene
-        .meshes
-        .iter_mut()
-        .find(|m| m.id == "floor")
-        .expect("it");
-    let corners = mesh.triangles.iter().flatten();
-    mesh.positions = corners.map(|&v| mesh.positions[v as usize]).collect();
-    mesh.triangles = vec![[0, 1, 2], [3, 4, 5]];
+    let centre = vec3(0.2, 0.1, 0.5);
+    let (positions, triangles) = ball(1, centre, 0.4);
+    let corners = triangles.iter().flatten();
+    let positions: Vec<_> = corners.map(|&v| positions[v as usize]).collect();
+    let normals = positions.iter().map(|p| (p - centre).normalize()).collect();
+    let triangles = (0..positions.len() as u32 / 3).map(|t| [0, 1, 2].map(|i| 3 * t + i));
+    let shape = (positions, triangles.collect());
+    let scene = close_up().constant_environment(SKY);
+    let mut scene = scene
+        .with_normals("ball", shape, normals, [0.5; 3])
+        .faces("ball");
     let mut textures = scene.textures.iter_mut();
     let texture = textures.find(|t| t.layout == Layout::Faces).expect("it");
     texture.layout = Layout::Vertices;
-    texture.texels = (0..6)
-        .map(|i| [0.15 * i as f32, 0.4, 0.9 - 0.1 * i as f32])
+    texture.texels = texture
+        .texels
+        .iter()
+        .flat_map(|&texel| [texel; 3])
         .collect();
-    moved(&scene, &[("floor.translation", &[1.0, 0.4, 0.1])]);
+    moved(&scene, &[("ball.rotation", &[0.1, 0.2, 1.0])]);
 }
