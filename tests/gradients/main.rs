@@ -37,6 +37,7 @@ mod refusals;
 mod second_estimator;
 mod see_through;
 mod sharp_shadows_seen;
+mod sheets_in_mirrors;
 mod smooth_in_mixtures;
 mod standard_errors;
 mod transposition;

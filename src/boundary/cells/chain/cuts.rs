@@ -90,14 +90,17 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 }
                 continue;
             };
-            self.ridges([&a, &b], ridges, way, out);
             let Some((border, crossing, near)) = border else {
+                self.ridges([&a, &b], ridges, way, out);
                 continue;
             };
             let [before, after] = border.sides.clone();
             if rounds > 0 {
+                // These find the edges on either side of it.
                 parts.push(([a, before.clone()], rounds - 1, HALVINGS));
                 parts.push(([after.clone(), b], rounds - 1, HALVINGS));
+            } else {
+                self.ridges([&a, &b], ridges, way, out);
             }
             if before.triangle != after.triangle {
                 let near = match near {

@@ -16,6 +16,8 @@ use glam::DVec3;
 /// Chances below this are taken for it: it bounds the weight of one border. Both borders of what is
 /// thinner move nearly alike.
 const LEAST_MET: f64 = 0.1;
+/// Places that are nearer to each other are one, in parts of what lies between two borders.
+const SAME_PLACE: f64 = 0.05;
 
 /// A border behind smooth surfaces.
 pub struct Found {
@@ -169,7 +171,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 run.rays.push(ray.clone());
             }
         }
-        self.weigh(&mut all, &mut runs, way);
+        self.weigh(&mut all, &mut runs, (&rays, way));
         self.delta_lights(&runs, way);
         self.branch(runs, way);
     }
@@ -178,7 +180,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
     /// is found from the side that hides the other, wherever a point lies there; what in turn hides
     /// that, up to its own border, finds it as well. So is a run found from what hides it, and from
     /// what it hangs together with.
-    fn weigh(&mut self, all: &mut Cuts, runs: &mut [Run], way: &Way) {
+    fn weigh(&mut self, all: &mut Cuts, runs: &mut [Run], (rays, way): (&[Followed], &Way)) {
         let near: Vec<Near> = all.cuts.iter().map(|cut| cut.near).collect();
         let first = |mut run: usize| {
             while run > 0 && near[run - 1] != Near::After {
@@ -192,14 +194,12 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             }
             run
         };
-        let chance = |from: usize, to: usize| {
-            let [a, b] = [&runs[from], &runs[to]].map(Run::ends);
-            match (a, b) {
-                (Some([low, _]), Some([_, high])) if from > 0 && to < near.len() => {
-                    self.chance([low, high], way)
-                }
-                _ => way.met,
+        let places: Vec<_> = runs.iter().map(Run::ends).collect();
+        let mut chance = |from: usize, to: usize| match (places[from], places[to]) {
+            (Some([low, _]), Some([_, high])) if from > 0 && to < near.len() => {
+                self.chance_of_part([low, high], (rays, way))
             }
+            _ => way.met,
         };
         for (i, cut) in all.cuts.iter_mut().enumerate() {
             let Some(border) = &mut cut.border else {
@@ -230,6 +230,39 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         self.found.append(&mut all.ridges);
         self.found
             .extend(all.cuts.iter_mut().filter_map(|cut| cut.border.take()));
+    }
+
+    /// The chance that a part of the line is found, other than at its ends.
+    ///
+    /// That is the chance that a point lies on it, unless it is found from beyond, too: what a sheet
+    /// shows of its other side lies behind a fold of the one that is seen, and whoever walks over it
+    /// from there passes the fold. So where no point had to lie there, what is found without those
+    /// that do is looked at. Else borders would weigh more than they are rare.
+    fn chance_of_part(&mut self, [low, high]: [f64; 2], (rays, way): (&[Followed], &Way)) -> f64 {
+        let chance = self.chance([low, high], way);
+        if chance >= way.met {
+            return chance;
+        }
+        let lies_there = |ray: &Followed| (low..=high).contains(&ray.s);
+        if !rays.iter().any(lies_there) {
+            return way.met;
+        }
+        let before = rays.iter().rev().find(|ray| ray.s < low);
+        let after = rays.iter().find(|ray| ray.s > high);
+        let (Some(before), Some(after)) = (before, after) else {
+            return chance;
+        };
+        let mut without = Cuts::default();
+        let unresolved = self.counts.unresolved;
+        self.cuts([before, after], way, &mut without);
+        self.counts.unresolved = unresolved;
+        let room = SAME_PLACE * (high - low);
+        let part = low - room..=high + room;
+        let is_found = without
+            .cuts
+            .iter()
+            .any(|cut| part.contains(&cut.sides[0].s));
+        if is_found { way.met } else { chance }
     }
 
     /// The chance that any point lies between two places.
