@@ -55,7 +55,7 @@ fn seen() -> Scene {
 /// Of what is thin there much is found from beyond it, and all of that was once taken to be rare.
 #[test]
 fn corners_of_a_tube() {
-    let floor = floor(0.8, 0.0);
+    let floor = floor(3.0, 0.0);
     let mut folded = seen().solid("floor", floor, [0.5; 3]).mirror("floor");
     for (key, value) in [("eta", 0.0), ("k", 1.0), ("specular_reflectance", 1.0)] {
         let key = format!("floor.bsdf.{key}");
@@ -81,7 +81,7 @@ fn corners_of_a_tube() {
 /// Edges of a picture in a cell with an outline count once.
 #[test]
 fn stripes_of_a_tube() {
-    let scene = seen().depth(3).solid("floor", floor(0.8, 0.0), [0.5; 3]);
+    let scene = seen().depth(3).solid("floor", floor(3.0, 0.0), [0.5; 3]);
     let scene = scene.mirror("floor").smooth("tube", tube(), [0.5; 3]);
     let mut scene = scene.checkerboard("tube");
     let tube = scene.meshes.last_mut().expect("the tube");
