@@ -2,7 +2,7 @@
 
 use super::follow::{FirstRays, Followed};
 use super::search::{Border, ChainSearch, Way};
-use crate::boundary::occlusion::{NEAREST, PROBE, SurfacePoint, clear_of};
+use crate::boundary::occlusion::{MOST_PROBE, NEAREST, PROBE, SurfacePoint, clear_of};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::paths::boundary_sample::Shadow;
@@ -149,13 +149,13 @@ fn beside(geometry: &Geometry, at: &Followed, crossing: &Crossing, slope: f64) -
         return PROBE;
     };
     let away = point.distance(origin);
-    let distance = if crossing.is_tight() {
-        clear_of(geometry, boundary, point)
+    let (distance, most) = if crossing.is_tight() {
+        (clear_of(geometry, boundary, point), MOST_PROBE)
     } else {
-        NEAREST * (geometry.room(point) + away)
+        (NEAREST * (geometry.room(point) + away), PROBE)
     };
     // F is c·d, and c stands on d.
     let c = boundary.normal(geometry, origin);
     let per_distance = c.length() * direction.length() / away;
-    (distance * per_distance / slope.abs()).min(PROBE)
+    (distance * per_distance / slope.abs()).min(most)
 }
