@@ -127,3 +127,23 @@ fn transposition() {
     let idle: Vec<&str> = idle.iter().map(String::as_str).collect();
     transposed(&cut_out(scene, "leaf", true), Method::Reparam, &idle);
 }
+
+/// Rays start a little off surfaces, and beside where a plate passes through a mask they once started
+/// beyond both: the sky was seen there.
+#[test]
+fn what_passes_through_a_mask() {
+    let pane = parallelogram(vec3(-0.6, -0.5, -0.6), Vec3::X * 1.2, Vec3::Z * 1.2);
+    let sheet = parallelogram(vec3(-0.5, 0.4, -0.5), Vec3::X, Vec3::Z);
+    let plate = parallelogram(vec3(-0.4, 0.2, -0.4), Vec3::X * 0.8, vec3(0.0, 0.5, 0.8));
+    let scene = behind_a_sheet();
+    let mut scene = scene.depth(4);
+    scene.meshes.clear();
+    let scene = scene
+        .solid("pane", pane, [0.5; 3])
+        .solid("through", sheet, [0.0; 3])
+        .solid("black", plate, [0.0; 3])
+        .null("pane")
+        .masked("through", 0.5);
+    let by = [("through.translation", [0.6, 0.5, 0.2].as_slice())];
+    check_to(0.02, &scene, &by, 256, STEP, Fails);
+}
