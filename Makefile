@@ -38,8 +38,9 @@ demo: deps
 	@echo "the finite differences to compare it with are in out/demo-fd:"
 	@ls out/demo/*.png out/demo-fd/*.png 2>/dev/null || ls out/demo out/demo-fd
 
+# Examples are left out: they have no tests, and `make test-long` builds them.
 test: deps
-	cargo test --release --locked
+	cargo test --release --locked --lib --bins --tests
 
 test-long: deps
 	cargo test --release --locked --features long-tests
