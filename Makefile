@@ -44,6 +44,8 @@ test: deps
 
 test-long: deps
 	cargo test --release --locked --features long-tests
+	cargo build --release --locked --no-default-features --features obvhs --target-dir target/without-embree
+	target/without-embree/release/warpath check $(wordlist 2,9,$(DEMO)) -D res=48 --quiet
 
 test-mpi:
 	@scripts/setup mpi
