@@ -16,6 +16,9 @@ use glam::DVec3;
 /// is a blur.
 const MOST_LINES: usize = 4096;
 
+/// What single precision may move a coordinate by.
+const ROUNDING: f64 = 1e-7;
+
 /// The texture edges that an arc crosses on a triangle between two of its parameters, in order.
 /// `points`: its vertices as seen from the arc's origin.
 pub fn lines(
@@ -39,11 +42,12 @@ pub fn lines(
     let ends = [from, to].map(|s| DVec3::from(weights.map(|w| w.dot(arc.direction(s)))));
     for ruling in &pattern.rulings {
         let g = DVec3::from(uv.map(|uv| ruling.dot(uv)));
-        let [a, b] = ends.map(|w| w.dot(g) / w.element_sum());
+        let [a, b] = ends.map(|w| snapped(w.dot(g) / w.element_sum()));
         if !(a.is_finite() && b.is_finite()) {
             continue;
         }
-        let (first, last) = (a.min(b).floor() + 1.0, a.max(b).ceil() - 1.0);
+        // A line that lies on an edge belongs to the triangle below it, and not to both or neither.
+        let (first, last) = (a.min(b).floor() + 1.0, a.max(b).floor());
         let mut k = first;
         for _ in 0..MOST_LINES {
             if k > last {
@@ -61,6 +65,17 @@ pub fn lines(
     }
     found.sort_by(|a, b| a.1.total_cmp(&b.1));
     found
+}
+
+/// A coordinate, which is an integer if rounding alone keeps it from being one: spheres and cylinders
+/// have edges where pictures of a few squares jump.
+fn snapped(coordinate: f64) -> f64 {
+    let nearest = coordinate.round();
+    if (coordinate - nearest).abs() < ROUNDING {
+        nearest
+    } else {
+        coordinate
+    }
 }
 
 /// Where the line on which `height`, given at the corners, is zero enters and leaves the triangle:
