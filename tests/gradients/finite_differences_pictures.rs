@@ -4,7 +4,7 @@ use common::comparison::Interior::{Agrees, Fails};
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
-use glam::{Affine2, vec2, vec3};
+use glam::vec3;
 use warpath::scene::Distribution::Ggx;
 use warpath::scene::{Layout, Scene};
 
@@ -98,27 +98,4 @@ fn vertices_with_colours_that_are_not_shared() {
         .flat_map(|&texel| [texel; 3])
         .collect();
     moved(&scene, &[("ball.rotation", &[0.1, 0.2, 1.0])]);
-}
-
-/// Spheres and cylinders have edges where pictures of a few squares jump.
-#[test]
-fn a_picture_that_jumps_where_triangles_meet() {
-    let rows = [0, 1, 2].map(|row| row as f32 - 1.0);
-    let positions = rows
-        .iter()
-        .flat_map(|&y| [vec3(-0.8, 0.8 * y, 0.0), vec3(0.8, 0.8 * y, 0.0)]);
-    let triangles = vec![[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]];
-    let mut scene = close_up().constant_environment(SKY);
-    scene.meshes.retain(|m| m.id != "floor");
-    let shape = (positions.collect(), triangles);
-    let scene = scene.smooth("sheet", shape, [0.5; 3]);
-    let mut scene = scene.checkerboard("sheet");
-    let sheet = scene.meshes.last_mut().expect("the sheet");
-    sheet.uvs = (0..6).map(|i| vec2(0.1, 0.5 * (i / 2) as f32)).collect();
-    let mut textures = scene.textures.iter_mut();
-    let board = textures.find(|t| matches!(t.layout, Layout::Checkerboard { .. }));
-    board.expect("it").layout = Layout::Checkerboard {
-        to_uv: Affine2::IDENTITY,
-    };
-    moved(&scene, &[("sheet.translation", &[1.0, 0.4, 0.1])]);
 }
