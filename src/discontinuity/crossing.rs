@@ -124,8 +124,14 @@ impl Reservoir {
         self.pending = Some(crossing);
     }
 
-    /// Offers a bend with this chance; it then stands for as many as it must.
+    /// Offers a bend with this chance; it then stands for as many as it must. Right beside another edge
+    /// it is left out, since who looks beside that sees both, and who looks beside a bend does not.
     pub fn meet_facet_edge(&mut self, crossing: Crossing, chance: f64) {
+        let is_beside =
+            |other: Crossing| other.kind != Kind::FacetEdge && crossing.s - other.s <= self.gap;
+        if self.pending.is_some_and(is_beside) {
+            return;
+        }
         if self.happens(chance) {
             self.meet(Crossing {
                 count: 1.0 / chance,

@@ -4,7 +4,8 @@ use common::comparison::Interior::{Agrees, Fails};
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
-use glam::vec3;
+use glam::{Affine2, Vec3, vec2, vec3};
+use std::f32::consts::PI;
 use warpath::scene::Distribution::Ggx;
 use warpath::scene::{Layout, Scene};
 
@@ -98,4 +99,39 @@ fn vertices_with_colours_that_are_not_shared() {
         .flat_map(|&texel| [texel; 3])
         .collect();
     moved(&scene, &[("ball.rotation", &[0.1, 0.2, 1.0])]);
+}
+
+/// Nothing but a ball whose colour changes at its equator, along which its facets meet.
+#[test]
+fn a_picture_that_jumps_where_facets_meet() {
+    const ROWS: u32 = 8;
+    const SECTORS: u32 = 2 * ROWS;
+    let point = |i: u32| {
+        let [row, sector] = [i / SECTORS, i % SECTORS].map(|n| n as f32 * PI / ROWS as f32);
+        let (sine, cosine) = row.sin_cos();
+        vec3(sine * sector.cos(), sine * sector.sin(), cosine)
+    };
+    let quad = |i: u32| {
+        let right = i / SECTORS * SECTORS + (i + 1) % SECTORS;
+        [
+            [i, i + SECTORS, right],
+            [right, i + SECTORS, right + SECTORS],
+        ]
+    };
+    // The poles would have triangles without an area.
+    let inner = SECTORS..(ROWS - 1) * SECTORS;
+    let positions: Vec<_> = (0..ROWS * SECTORS).map(point).collect();
+    let shape = (positions, inner.flat_map(quad).collect());
+    let scene = scene(vec3(0.2, -3.0, 0.3), Vec3::ZERO, 12.0, [8; 2], GAUSSIAN);
+    let scene = scene.constant_environment(SKY).depth(2);
+    let mut scene = scene.smooth("ball", shape, [0.5; 3]).checkerboard("ball");
+    let ball = scene.meshes.last_mut().expect("the ball");
+    let uv = |i: u32| vec2(0.1, (i / SECTORS) as f32 / ROWS as f32);
+    ball.uvs = (0..ROWS * SECTORS).map(uv).collect();
+    let mut textures = scene.textures.iter_mut();
+    let board = textures.find(|t| matches!(t.layout, Layout::Checkerboard { .. }));
+    board.expect("it").layout = Layout::Checkerboard {
+        to_uv: Affine2::IDENTITY,
+    };
+    moved(&scene, &[("ball.translation", &[0.3, 0.4, 1.0])]);
 }
