@@ -41,15 +41,20 @@ fn an_edge_in_a_flat_mirror() {
     checked(&scene, 256, "cam.translation", &MOVED, 0.01);
 }
 
+/// The floor, a mirror, loses no light.
+pub fn lossless(mut scene: Scene) -> Scene {
+    for (key, value) in [("eta", 0.0), ("k", 1.0), ("specular_reflectance", 1.0)] {
+        let key = format!("floor.bsdf.{key}");
+        let texture = scene.textures.iter_mut().find(|t| t.key == key);
+        texture.expect("a texture").texels = vec![[value; 3]];
+    }
+    scene
+}
+
 /// An edge in a flat mirror that loses no light is one behind it, where the mirror is a window.
 #[test]
 fn a_flat_mirror_is_a_window() {
-    let mut folded = over_a_mirror();
-    for (key, value) in [("eta", 0.0), ("k", 1.0), ("specular_reflectance", 1.0)] {
-        let key = format!("floor.bsdf.{key}");
-        let texture = folded.textures.iter_mut().find(|t| t.key == key);
-        texture.expect("a texture").texels = vec![[value; 3]];
-    }
+    let folded = lossless(over_a_mirror());
     let mut unfolded = small_floor();
     unfolded.meshes.clear();
     let behind = vec3(CORNER.x, CORNER.y, -CORNER.z);

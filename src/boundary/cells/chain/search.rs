@@ -236,8 +236,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
     ///
     /// That is the chance that a point lies on it, unless it is found from beyond, too: what a sheet
     /// shows of its other side lies behind a fold of the one that is seen, and whoever walks over it
-    /// from there passes the fold. So where no point had to lie there, what is found without those
-    /// that do is looked at. Else borders would weigh more than they are rare.
+    /// from there passes the fold. A part that no point lies in was found so. Of one in which points do
+    /// lie, it is tried whether it is found without them. Else borders would weigh more than they are
+    /// rare.
     fn chance_of_part(&mut self, [low, high]: [f64; 2], (rays, way): (&[Followed], &Way)) -> f64 {
         let chance = self.chance([low, high], way);
         if chance >= way.met {
