@@ -63,6 +63,8 @@ fn measure(path: &str, direction: &str, spp: u32) -> Result<()> {
     let settings = Settings {
         constants: Default::default(),
         part_of_film: None,
+        counts_tiles: false,
+        noise: None,
         spp,
         seed: 1,
         threads: 1,

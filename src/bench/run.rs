@@ -228,6 +228,8 @@ impl Bench<'_> {
         let settings = Settings {
             constants: Constants::default(),
             part_of_film: None,
+            counts_tiles: false,
+            noise: None,
             spp: GRADIENT_SPP,
             seed: 1,
             threads,

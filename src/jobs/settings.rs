@@ -37,6 +37,8 @@ impl RequestedSettings {
         let settings = Settings {
             constants: Constants::default(),
             part_of_film: None,
+            counts_tiles: false,
+            noise: None,
             spp: self.spp.unwrap_or(sensor.sample_count).max(1),
             seed: self.seed.unwrap_or(sensor.seed.into()),
             threads: self.threads,

@@ -59,6 +59,7 @@ pub fn backward(
         .method
         .boundary()
         .filter(|_| request.moves_edges(scene));
+    let settings = settings.weighted_by(&adjoint);
     let settings = &settings.through_lens(sensor, request.moves_edges(scene));
     let mut stage = Stage::new(prepared, settings, boundary, &mut statistics)?;
     stage.ask_about(request);
@@ -145,11 +146,12 @@ fn sweep_tiles(
     let mut swept = Swept::new(stage, wanted)?;
     let scratch_bytes = TileSums::bytes_needed(scene, geometry, wanted);
     room::look_for(stage.threads() as u64 * scratch_bytes)?;
-    let mut counts = Counts::default();
+    let adjoints = stage.tiling.part(adjoint);
     stage.for_each_tile(
         progress,
+        statistics,
         |group, index| {
-            let tile = stage.lattice.tile(index, group, stage.seed);
+            let tile = stage.tile(group, index);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
             let view = stage.view_of_tile(group, index);
@@ -166,21 +168,24 @@ fn sweep_tiles(
             let mut block = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut block);
             let mut tile_sums = scratch.take(|| TileSums::new(scene, geometry, wanted));
+            stage.tiling.keep_own(index, &mut block);
+            let adjoint = &adjoints[stage.tiling.region_of(index)];
             let gradient = differentiate(stage, &sweep, &traced, adjoint, &mut tile_sums);
             clock.add_differentiating(start);
             scratch.give_back(tile_sums);
             stores.give_back(traced.store);
-            (block, gradient, traced.counts)
-        },
-        |group, (block, gradient, tile_counts)| {
+            let mut counts = traced.counts;
             counts.gradient_not_finite += gradient.not_finite;
+            ((block, gradient), counts)
+        },
+        |group, (block, gradient)| {
             let own = (group - stage.own_groups().start) as usize;
             swept.images.add(group, &block);
             swept.sums[own].add(&gradient);
             swept.terms.absorb(&gradient.terms);
-            counts += tile_counts;
         },
     )?;
+    let mut counts = Counts::default();
     if drift.is_some() || sweep.lobe_drift.is_some() {
         let scratch = TileSums::new(scene, geometry, wanted);
         counts.gradient_not_finite += add_followed(&sweep, &mut swept.sums, scratch);

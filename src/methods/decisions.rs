@@ -1,6 +1,7 @@
 //! What pilots have come to for a scene, kept for those who ask the same of it again.
 
 use super::contender::Contender;
+use super::noise_map::NoiseMap;
 use super::settings::{Groups, Settings};
 use super::statistics::Pilot;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,7 +22,13 @@ pub struct Asked {
 pub struct Decisions(Mutex<Vec<(Asked, Slot)>>);
 
 /// What is best, and how a pilot has found that.
-type Answer = (Contender, Pilot);
+#[derive(Clone)]
+pub struct Answer {
+    pub way: Contender,
+    /// Where its noise lies, if samples are better spent there.
+    pub noise: Option<Arc<NoiseMap>>,
+    pub pilot: Pilot,
+}
 
 /// An answer, as soon as it is there.
 type Slot = Arc<Mutex<Option<Answer>>>;

@@ -18,7 +18,6 @@ use crate::gradient::path::forward::ForwardSweep;
 use crate::gradient::scene::forward::Motion;
 use crate::lanes::{Dual, LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
-use crate::paths::counts::Counts;
 use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
 use crate::paths::film::tile::TracedTile;
@@ -68,11 +67,11 @@ pub fn forward(
     let stores = Spare::new();
     let mut images = stage.group_images()?;
     let mut gradients = stage.group_images()?;
-    let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
+        &mut statistics,
         |group, index| {
-            let tile = stage.lattice.tile(index, group, stage.seed);
+            let tile = stage.tile(group, index);
             let start = Instant::now();
             let store = stores.take(TileStore::default);
             let view = stage.view_of_tile(group, index);
@@ -86,18 +85,19 @@ pub fn forward(
             let mut image = Block::new(&stage.filter, &traced.tile);
             traced.splat(&traced.image.radiance, &mut image);
             let film = (velocity.as_ref(), filter_follows);
-            let gradient = differentiate(&stage, &sweep, film, &mut traced);
+            let mut gradient = differentiate(&stage, &sweep, film, &mut traced);
+            for block in [&mut image, &mut gradient] {
+                stage.tiling.keep_own(index, block);
+            }
             clock.add_differentiating(start);
             stores.give_back(traced.store);
-            (image, gradient, traced.counts)
+            ((image, gradient), traced.counts)
         },
-        |group, (image, gradient, tile_counts)| {
+        |group, (image, gradient)| {
             images.add(group, &image);
             gradients.add(group, &gradient);
-            counts += tile_counts;
         },
     )?;
-    statistics.add_counts(&counts);
     clock.stop(&mut statistics);
 
     finish(&stage, images, gradients, statistics)

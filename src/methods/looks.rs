@@ -29,6 +29,11 @@ const LEAST_PATHS: f64 = 1024.0;
 /// What a first look has in all that will be done, and later ones.
 const FIRST_SHARE: f64 = 1.0 / 256.0;
 const LATER_SHARE: f64 = 1.0 / 32.0;
+/// What a survey has in all that will be done, the least and the most samples a pixel of one, and its
+/// groups.
+const SURVEY_SHARE: f64 = 1.0 / 32.0;
+const SURVEY_SAMPLES: [u32; 2] = [2, 8];
+const SURVEY_GROUPS: u32 = 2;
 /// A look that is so many times as long as another tells far more.
 const TELLS_MORE: f64 = 4.0;
 /// So many differences, one for each number, cost about what paths do.
@@ -44,6 +49,16 @@ pub struct Job {
     times: f64,
     /// Differences that would answer, one for each number.
     pub differences: usize,
+}
+
+/// Whether to look where on the film the noise lies.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Survey {
+    None,
+    /// If it pays to sample the film unevenly.
+    IfItPays,
+    /// In any case, since what pays depends on an objective.
+    Always,
 }
 
 /// How a trial looks.
@@ -107,6 +122,28 @@ impl Job {
     }
 }
 
+impl Job {
+    /// How to see where the noise lies on the film: all of it, with a few samples of the many. None if
+    /// there are not many, or no more than one of a group, which leaves nothing to spare.
+    pub fn survey(&self, settings: &Settings) -> Option<Settings> {
+        let all = self.times * f64::from(self.spp);
+        let spp = (SURVEY_SHARE * all) as u32;
+        let spare = settings.spp / settings.groups().count > 1;
+        (spare && spp >= SURVEY_SAMPLES[0]).then(|| Settings {
+            seed: SEED,
+            spp: spp.min(SURVEY_SAMPLES[1]) / SURVEY_GROUPS * SURVEY_GROUPS,
+            standard_error: true,
+            groups: Some(Groups {
+                count: SURVEY_GROUPS,
+                only: None,
+            }),
+            part_of_film: Some(1.0),
+            counts_tiles: true,
+            ..settings.clone()
+        })
+    }
+}
+
 impl Look {
     /// About so many paths: fewer samples on the whole film, or on tiles of it where even the least
     /// would be too many. What has most of the noise, as a lamp that is seen, may lie in one place.
@@ -126,6 +163,7 @@ impl Look {
             standard_error: true,
             groups: Some(Groups { count, only: None }),
             part_of_film: (part < 1.0).then_some(part),
+            counts_tiles: true,
             ..settings.clone()
         };
         let stage = Stage::new(prepared, &settings, None, &mut Statistics::default())?;

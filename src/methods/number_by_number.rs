@@ -58,7 +58,8 @@ pub fn backward(
         "{}, one for each of {numbers} numbers",
         settings.method.title()
     ));
-    let adjoint = &evaluation.adjoint.pixels;
+    let adjoint = &evaluation.adjoint;
+    let settings = &settings.weighted_by(adjoint);
     let displaced = Displaced::new(prepared, settings);
     let mut finished = 2;
     for (target, parameter) in differenced {
@@ -71,7 +72,7 @@ pub fn backward(
             let (progress, statistics) = (part(finished), &mut done.statistics);
             displaced.render(&direction, &steps, &progress, statistics, |it| {
                 for (sums, image) in of_groups.iter_mut().zip(&it.groups) {
-                    sums[number] += it.weight * weighed(image, adjoint);
+                    sums[number] += it.weight * weighed(image, &adjoint.pixels);
                 }
             })?;
             finished += 1;

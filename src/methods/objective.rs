@@ -62,6 +62,8 @@ pub fn evaluate(
         seed: settings.seed ^ OBJECTIVE_SEED,
         // Whoever does a part of the samples needs the same whole image.
         groups: None,
+        // What noise is known of is that of the gradient.
+        noise: None,
         ..settings.clone()
     };
     let rendering = render(prepared, &settings, progress)?;

@@ -8,10 +8,10 @@
 
 use super::carried;
 use super::contender::Contender;
-use super::decisions::Asked;
+use super::decisions::{Answer, Asked};
 use super::difference_step::step;
 use super::error::EngineError;
-use super::looks::Job;
+use super::looks::{Job, Survey};
 use super::number_by_number::numbers_of;
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -37,6 +37,15 @@ pub enum Question<'a> {
     Backward(&'a [Parameter]),
     /// Both by these, in the same way, of which one is the transpose of the other.
     ForwardAndBackward(&'a [Parameter]),
+}
+
+/// What a pilot looks for where a question is asked.
+fn survey_for(question: &Question) -> Survey {
+    match question {
+        Question::Forward(_) => Survey::IfItPays,
+        Question::Backward(_) => Survey::Always,
+        Question::ForwardAndBackward(_) => Survey::None,
+    }
 }
 
 impl Prepared<'_> {
@@ -72,25 +81,30 @@ impl Prepared<'_> {
         let named = direction.iter().map(|(p, v)| (p.key.clone(), v.clone()));
         let asked = Asked::new(settings, differences, named.collect());
         let mut seconds = 0.0;
-        let (way, mut pilot) = self.parts.decisions.once(asked, || {
-            let (way, mut pilot) =
-                self.try_ways(times, settings, differences, &direction, progress)?;
-            pilot.chosen = way.name();
+        let mut answer = self.parts.decisions.once(asked, || {
+            let survey = survey_for(question);
+            let mut answer =
+                self.try_ways(times, settings, (differences, survey), &direction, progress)?;
+            answer.pilot.chosen = answer.way.name();
             seconds = start.elapsed().as_secs_f64();
-            Ok::<_, EngineError>((way, pilot))
+            Ok::<_, EngineError>(answer)
         })?;
-        pilot.seconds = seconds;
-        Ok((way.settle(settings), pilot))
+        answer.pilot.seconds = seconds;
+        let settled = Settings {
+            noise: answer.noise,
+            ..answer.way.settle(settings)
+        };
+        Ok((settled, answer.pilot))
     }
 
     fn try_ways(
         &self,
         times: u64,
         settings: &Settings,
-        differences: Option<usize>,
+        (differences, survey): (Option<usize>, Survey),
         direction: &[(Parameter, Vec<f32>)],
         progress: &dyn Progress,
-    ) -> Result<(Contender, Pilot), EngineError> {
+    ) -> Result<Answer, EngineError> {
         let sensor = &self.scene.sensors[settings.sensor];
         let settings = settings.through_lens(sensor, true);
         let job = Job::new(self, &settings, times, differences)?;
@@ -100,7 +114,8 @@ impl Prepared<'_> {
                 let tangent = parameters::tangent(self.scene, direction, settings.sensor)?;
                 let carried = carried::is_possible(self.scene, &settings, &tangent);
                 let way = Contender::Differences { carried };
-                return Ok((way, Pilot::without_trials(sentence)));
+                let pilot = Pilot::without_trials(sentence);
+                return trials.answer(way, pilot, survey);
             }
             tried => tried?,
         }
@@ -108,11 +123,12 @@ impl Prepared<'_> {
             Some(_) => trials.run_all()?,
             None => trials.run_mixtures()?,
         }
-        let (best, pilot) = trials.finish();
-        if !best.is_difference() {
+        let (way, pilot) = trials.best();
+        let answer = trials.answer(way, pilot, survey)?;
+        if !way.is_difference() {
             drop(self.parts.take_followers(settings.backend));
         }
-        Ok((best, pilot))
+        Ok(answer)
     }
 }
 

@@ -9,7 +9,6 @@ use super::settings::Settings;
 use super::spare::Spare;
 use super::stage::Stage;
 use super::statistics::Statistics;
-use crate::paths::counts::Counts;
 use crate::paths::estimator::Interior;
 use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
@@ -29,6 +28,7 @@ pub fn render(
     let mut statistics = Statistics::default();
     let settings = Settings {
         standard_error: false,
+        noise: None,
         ..settings.clone()
     };
     let stage = Stage::new(prepared, &settings, None, &mut statistics)?;
@@ -78,15 +78,15 @@ fn trace(
         twin: 0,
     };
     let stores = Spare::new();
-    let mut counts = Counts::default();
     stage.for_each_tile(
         progress,
+        statistics,
         |group, index| {
             let start = Instant::now();
-            let tile = stage.lattice.tile(index, group, stage.seed);
+            let tile = stage.tile(group, index);
             let mut store = stores.take(TileStore::default);
             let carried = carried.filter(|(velocity, _)| !velocity.rests_over(&tile));
-            let done = if let Some(carried) = carried {
+            let (mut block, counts) = if let Some(carried) = carried {
                 trace_carried(&integrator, &stage.filter, &tile, carried, &mut store)
             } else {
                 let traced = TracedTile::trace(&integrator, &stage.filter, tile, false, store);
@@ -95,16 +95,13 @@ fn trace(
                 store = traced.store;
                 (block, traced.counts)
             };
+            stage.tiling.keep_own(index, &mut block);
             clock.add_tracing(start);
             stores.give_back(store);
-            done
+            (block, counts)
         },
-        |group, (block, tile_counts)| {
-            merge(group, &block);
-            counts += tile_counts;
-        },
+        |group, block| merge(group, &block),
     )?;
-    statistics.add_counts(&counts);
     clock.stop_tracing(statistics);
     Ok(())
 }

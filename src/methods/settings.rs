@@ -2,8 +2,11 @@
 
 use super::estimators::{Constants, Method};
 use super::groups::{equal_groups, group_count};
+use super::noise_map::NoiseMap;
+use crate::picture::Image;
 use crate::scene::{Lens, Sensor};
 use crate::trace::Backend;
+use std::sync::Arc;
 
 /// Samples of a group, and groups, behind the gradient of what moves before a lens with an extent.
 /// Groups are the points of the lens that each tile looks through; but each keeps sums for all
@@ -32,6 +35,10 @@ pub struct Settings {
     pub constants: Constants,
     /// Only this part of the film, in many small tiles, in place of all: for pilots.
     pub part_of_film: Option<f64>,
+    /// Whether to tell what was done in each tile: for pilots.
+    pub counts_tiles: bool,
+    /// Where the gradient's noise lies, so that samples are spent there; evenly, if not known.
+    pub noise: Option<Arc<NoiseMap>>,
     /// What traces the rays.
     pub backend: Backend,
     /// Whether to estimate standard errors, which costs memory.
@@ -60,6 +67,15 @@ impl Settings {
     /// moves edges.
     pub fn is_decided(&self) -> bool {
         self.constants.mixture.is_some()
+    }
+
+    /// Those of an objective's gradient: what is known of noise counts by the objective's derivative.
+    pub fn weighted_by(&self, adjoint: &Image) -> Self {
+        let noise = self.noise.as_ref().map(|noise| noise.weighted(adjoint));
+        Self {
+            noise: noise.map(Arc::new),
+            ..self.clone()
+        }
     }
 
     /// Those of a gradient of what moves: where the lens has an extent each tile of each group looks

@@ -14,13 +14,15 @@ use super::statistics::Statistics;
 use super::workers::Workers;
 use crate::boundary::mixture::Mixture;
 use crate::discontinuity::adjacency::Adjacency;
+use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
 use crate::paths::estimator::{BoundaryEstimator, Interior, WholeFilm};
 use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
 use crate::paths::film::edge_on::EdgeOnFacets;
 use crate::paths::film::filter::FilmFilter;
-use crate::paths::film::lattice::Lattice;
+use crate::paths::film::lattice::{Lattice, Tile};
+use crate::paths::film::tiling::Tiling;
 use crate::paths::light::patches::Lights;
 use crate::paths::moving::Moving;
 use crate::paths::random::Stream;
@@ -49,7 +51,9 @@ pub struct Stage<'a> {
     pub camera: Camera,
     /// About the origin of what is traced.
     delta_lights: Vec<DeltaLight>,
+    /// That of the film where it is sampled evenly.
     pub lattice: Lattice,
+    pub tiling: Tiling,
     pub filter: FilmFilter,
     pub limits: PathLimits,
     pub size: [usize; 2],
@@ -58,6 +62,7 @@ pub struct Stage<'a> {
     pub seed: u64,
     only: Option<u32>,
     part_of_film: Option<f64>,
+    counts_tiles: bool,
     workers: Workers,
 }
 
@@ -98,11 +103,20 @@ impl<'a> Stage<'a> {
         } else {
             0
         };
-        let lattice = match settings.part_of_film {
-            None => Lattice::new(settings.spp / groups, film.crop_size, border),
-            Some(_) => Lattice::in_small_tiles(settings.spp / groups, film.crop_size, border),
+        let of_group = settings.spp / groups;
+        let make_lattice = |samples| match settings.part_of_film {
+            None => Lattice::new(samples, film.crop_size, border),
+            Some(_) => Lattice::in_small_tiles(samples, film.crop_size, border),
         };
+        let lattice = make_lattice(of_group);
         let filter = FilmFilter::new(film.filter, film.crop_size, &lattice);
+        let size = film.crop_size.map(|s| s as usize);
+        let noise = settings.noise.as_ref();
+        let plan = noise.and_then(|noise| noise.plan(size, of_group, filter.reach()));
+        let tiling = match plan {
+            None => Tiling::Even(lattice.clone()),
+            Some(plan) => Tiling::uneven(plan.density, &filter, make_lattice),
+        };
         statistics.add_seconds("build", start);
         Ok(Self {
             scene,
@@ -114,6 +128,7 @@ impl<'a> Stage<'a> {
             camera: Camera::new(&sensor),
             delta_lights: placed(&scene.delta_lights, origin),
             lattice,
+            tiling,
             filter,
             limits: PathLimits {
                 max_depth: settings.max_depth,
@@ -121,11 +136,12 @@ impl<'a> Stage<'a> {
                 hide_emitters: settings.hide_emitters,
                 black_goes_on: false,
             },
-            size: film.crop_size.map(|s| s as usize),
+            size,
             groups,
             seed: settings.seed,
             only,
             part_of_film: settings.part_of_film,
+            counts_tiles: settings.counts_tiles,
             workers: prepared.workers.clone(),
         })
     }
@@ -241,12 +257,18 @@ impl<'a> Stage<'a> {
         self.workers.pool.install(|| estimator.drift(&film))
     }
 
+    /// Tile `index` of group `group`.
+    pub fn tile(&self, group: u32, index: usize) -> Tile {
+        self.tiling.tile(index, group, self.seed)
+    }
+
     /// Does `work(group, tile)` for all tiles of all groups on the threads, and gives the results
-    /// to `merge` in order: sums do not depend on the number of threads.
+    /// to `merge` in order: sums do not depend on the number of threads. Adds up what tiles count.
     pub fn for_each_tile<T: Send>(
         &self,
         progress: &dyn Progress,
-        work: impl Fn(u32, usize) -> T + Sync,
+        statistics: &mut Statistics,
+        work: impl Fn(u32, usize) -> (T, Counts) + Sync,
         mut merge: impl FnMut(u32, T),
     ) -> Result<(), EngineError> {
         let tiles = self.own_tiles();
@@ -255,30 +277,34 @@ impl<'a> Stage<'a> {
         let of_group = |group: u32| tiles.iter().map(move |&tile| (group, tile));
         let jobs: Vec<(u32, usize)> = groups.flat_map(of_group).collect();
         let mut done = 0;
+        let mut counts = Counts::default();
         for chunk in jobs.chunks(TILES_PER_THREAD * self.workers.threads) {
             if progress.cancelled() {
                 return Err(EngineError::Interrupted);
             }
-            let results: Vec<(u32, T)> = self.workers.pool.install(|| {
-                chunk
-                    .par_iter()
-                    .with_max_len(1)
-                    .map(|&(group, tile)| (group, work(group, tile)))
-                    .collect()
+            let results: Vec<(T, Counts)> = self.workers.pool.install(|| {
+                let jobs = chunk.par_iter().with_max_len(1);
+                jobs.map(|&(group, tile)| work(group, tile)).collect()
             });
-            for (group, result) in results {
+            for (&(group, tile), (result, of_tile)) in chunk.iter().zip(results) {
                 merge(group, result);
+                counts += of_tile;
+                if self.counts_tiles {
+                    let pixels = self.lattice.pixels_of(tile);
+                    statistics.tiles.push((pixels, of_tile));
+                }
             }
             done += chunk.len();
             progress.advance(done as u64, total as u64);
         }
+        statistics.add_counts(&counts);
         Ok(())
     }
 
     /// The tiles that are done here.
     fn own_tiles(&self) -> Vec<usize> {
         match self.part_of_film {
-            None => (0..self.lattice.tile_count()).collect(),
+            None => (0..self.tiling.tile_count()).collect(),
             Some(part) => self.lattice.some_tiles(part),
         }
     }

@@ -3,6 +3,7 @@
 use super::contender::Contender;
 use crate::boundary::mixture::Mixture;
 use crate::paths::counts::Counts;
+use crate::paths::film::lattice::Pixels;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -27,6 +28,8 @@ pub struct Statistics {
     pub largest_parts: BTreeMap<String, f64>,
     /// Remarks for the user.
     pub notes: Vec<String>,
+    /// Of a pilot: the pixels of each tile, and what was done there.
+    pub tiles: Vec<(Pixels, Counts)>,
     /// Of `auto`: how it has come to what it does.
     pub pilot: Option<Pilot>,
 }
@@ -41,6 +44,10 @@ pub struct Pilot {
     pub because: Option<String>,
     /// The usual way first.
     pub trials: Vec<Trial>,
+    /// By how much, about, the variance falls for the same work because samples are spent where the
+    /// noise lies, if they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uneven: Option<f64>,
     #[serde(skip)]
     pub seconds: f64,
 }
@@ -107,7 +114,12 @@ impl Pilot {
             )
         };
         let lines = self.trials.iter().map(line);
-        lines.chain([self.summary()]).collect()
+        let uneven = self.uneven.map(|gain| {
+            format!(
+                "auto spends samples where the noise lies: 1/{gain:.1} of the variance for the same work"
+            )
+        });
+        lines.chain([self.summary()]).chain(uneven).collect()
     }
 }
 
@@ -144,6 +156,7 @@ impl Statistics {
             *self.rejected.entry(cause).or_default() += count;
         }
         self.tile_seconds += other.tile_seconds;
+        self.tiles.extend_from_slice(&other.tiles);
         if self.pilot.is_none() {
             self.pilot.clone_from(&other.pilot);
         }

@@ -1,10 +1,12 @@
 //! What a pilot finds out by trial: how much noise a way has, and how much work it is.
 
 use super::contender::Contender;
+use super::decisions::Answer;
 use super::differences::{self, CARRIED_IMAGES, IMAGES, carried_step};
 use super::error::EngineError;
 use super::estimators::Method;
-use super::looks::{Job, Look};
+use super::looks::{Job, Look, Survey};
+use super::noise_map::{NoiseMap, Plan};
 use super::prepared::Prepared;
 use super::progress::Progress;
 use super::results::ForwardGradient;
@@ -13,9 +15,11 @@ use super::stage::Stage;
 use super::statistics::{Pilot, Statistics};
 use super::tried::{AllTried, Tried};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
+use crate::picture::Image;
 use crate::scene::SceneDifferential;
 use crate::scene::parameters::{self, Parameter};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// What is tried first.
 const USUAL: Mixture = Mixture {
@@ -28,6 +32,9 @@ const CLEARLY: f64 = 4.0;
 /// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and 2.3
 /// in meshes of 150,000 and 360,000 vertices.
 const DISPLACED_VERTEX_US: f64 = 0.375;
+
+/// To find a border, beside its rays.
+const BORDER_US: f64 = 2.5;
 
 /// Looks are dense that have one sample of a pixel for this many of the job.
 const DENSE: u32 = 4;
@@ -115,9 +122,13 @@ impl<'a> Trials<'a> {
 
     /// Of the job.
     fn work(&self, way: Contender, found: &ForwardGradient, look: &Look) -> f64 {
+        self.work_of(way, &found.statistics.rays) / look.share
+    }
+
+    fn work_of(&self, way: Contender, rays: &BTreeMap<&'static str, u64>) -> f64 {
         let environment = self.prepared.scene.environment.as_ref();
         let has_map = environment.is_some_and(|e| e.map.is_some());
-        work(way, &found.statistics.rays, has_map) / look.share
+        work(way, rays, has_map)
     }
 
     fn add(
@@ -133,6 +144,7 @@ impl<'a> Trials<'a> {
             variance,
             work,
             looks_over_lobes: found.statistics.rays.contains_key("bounce_cell"),
+            noise: self.noise(way, found),
         });
     }
 
@@ -212,8 +224,71 @@ impl<'a> Trials<'a> {
     }
 
     /// What has the least noise for its work, and how that was found.
-    pub fn finish(self) -> (Contender, Pilot) {
+    pub fn best(&self) -> (Contender, Pilot) {
         (self.done.best(), self.done.pilot())
+    }
+
+    /// The answer, with a survey of the film if that is asked for.
+    pub fn answer(
+        &self,
+        way: Contender,
+        mut pilot: Pilot,
+        asked: Survey,
+    ) -> Result<Answer, EngineError> {
+        let mut noise = None;
+        if asked != Survey::None {
+            noise = self.survey(way, asked == Survey::Always)?;
+        }
+        if asked == Survey::IfItPays {
+            let plan = noise.as_ref().map(|noise| self.plan(noise));
+            pilot.uneven = plan.transpose()?.flatten().map(|plan| plan.gain);
+            noise = noise.filter(|_| pilot.uneven.is_some());
+        }
+        let noise = noise.map(Arc::new);
+        Ok(Answer { way, noise, pilot })
+    }
+
+    /// Where a way has its noise; nothing if what has been seen of it promises nothing, unless it `must`
+    /// be known, or if the job is too short to find out.
+    fn survey(&self, way: Contender, must: bool) -> Result<Option<NoiseMap>, EngineError> {
+        let Some(look) = self.job.survey(&self.settings) else {
+            return Ok(None);
+        };
+        if let Some(known) = self.done.of(way).filter(|_| !must)
+            && self.plan(&known.noise)?.is_none()
+        {
+            return Ok(None);
+        }
+        let settings = way.settle(&look);
+        let quiet = Quietly(self.progress);
+        let found = match way {
+            Contender::Mixture(_) => {
+                let boundary = Method::Auto.boundary();
+                self.prepared
+                    .forward_by(&settings, self.direction, boundary, &quiet)?
+            }
+            Contender::Differences { .. } => {
+                differences::forward_of_pilot(self.prepared, &settings, self.direction, &quiet)?.0
+            }
+        };
+        Ok(Some(self.noise(way, &found)))
+    }
+
+    /// How the job's film is best sampled.
+    fn plan(&self, noise: &NoiseMap) -> Result<Option<Plan>, EngineError> {
+        let stage = Stage::new(self.prepared, &self.settings, None, &mut Default::default())?;
+        let of_group = self.settings.spp / stage.groups;
+        Ok(noise.plan(stage.size, of_group, stage.filter.reach()))
+    }
+
+    fn noise(&self, way: Contender, found: &ForwardGradient) -> NoiseMap {
+        let none = Image::default();
+        let stderr = found.stderr.as_ref().unwrap_or(&none);
+        NoiseMap::new(stderr, &found.statistics.tiles, |counts| {
+            let mut statistics = Statistics::default();
+            statistics.add_counts(counts);
+            self.work_of(way, &statistics.rays) + BORDER_US * counts.resolved as f64
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a pilot has tried, and which of it is best.
 
 use super::contender::Contender;
+use super::noise_map::NoiseMap;
 use super::statistics::{Pilot, Trial};
 
 /// What promises less than this over what is usual is not worth the risk of being misled, by half of
@@ -21,6 +22,8 @@ pub struct Tried {
     /// Of the job, in about microseconds.
     pub work: f64,
     pub looks_over_lobes: bool,
+    /// Where the noise lies, of what has been seen.
+    pub noise: NoiseMap,
 }
 
 impl Tried {
@@ -56,6 +59,11 @@ impl AllTried {
     /// What was tried first.
     pub fn usual(&self) -> &Tried {
         &self.tried[0]
+    }
+
+    /// What has been seen of a way.
+    pub fn of(&self, way: Contender) -> Option<&Tried> {
+        self.tried.iter().find(|tried| tried.way == way)
     }
 
     /// Whether differences promise more than so many times the efficiency of what is usual.
@@ -136,6 +144,7 @@ mod tests {
                 variance,
                 work: 2.0,
                 looks_over_lobes: false,
+                noise: NoiseMap::default(),
             });
         }
         all.best()
@@ -168,6 +177,7 @@ mod tests {
                 variance,
                 work: 1.0,
                 looks_over_lobes: false,
+                noise: NoiseMap::default(),
             });
         }
         assert_eq!(all.pilot().trials.len(), 1);

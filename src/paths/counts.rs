@@ -1,7 +1,7 @@
 //! What was done while tiles were traced.
 
 /// What was done: rays traced by kind, and silhouettes that could not be found.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     pub camera: u64,
     pub shadow: u64,

@@ -10,7 +10,10 @@ use super::verdict::Verdict;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
 use crate::jobs::seeds::nth_seed;
-use crate::methods::{self, EngineError, Image, Method, Prepared, Progress, Question, Settings};
+use crate::methods::{
+    self, EngineError, Image, Method, NoiseMap, Prepared, Progress, Question, Settings,
+};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// What a method other than finite differences takes, in camera paths of an image, about.
@@ -25,6 +28,8 @@ struct Trial {
     refused: Option<String>,
     /// What a pilot has come to, in words, once it is asked: that is not timed.
     way: Option<String>,
+    /// Where its noise lies, if the pilot has found that.
+    noise: Option<Arc<NoiseMap>>,
 }
 
 /// The cells of a direction, and a gradient picture of each that has one: that of the first repeat.
@@ -66,6 +71,7 @@ pub fn measure(
             runs: Vec::new(),
             refused: None,
             way: None,
+            noise: None,
         }));
     }
     for repeat in 0..effort.repeats {
@@ -103,6 +109,7 @@ impl Trial {
             Ok((settled, pilot)) => {
                 self.contestant.method = settled.method;
                 self.contestant.constants = settled.constants;
+                self.noise = settled.noise;
                 self.way = Some(pilot.chosen);
                 Ok(true)
             }
@@ -118,6 +125,7 @@ impl Trial {
         let settings = Settings {
             method: self.contestant.method,
             constants: self.contestant.constants,
+            noise: self.noise.clone(),
             spp: self.spp,
             seed: nth_seed(task.settings.seed, repeat),
             ..task.settings.clone()

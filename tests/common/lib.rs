@@ -44,6 +44,8 @@ pub fn settings(scene: &Scene, method: Method, spp: u32, seed: u64) -> Settings 
         groups: None,
         constants: Default::default(),
         part_of_film: None,
+        counts_tiles: false,
+        noise: None,
     }
 }
 

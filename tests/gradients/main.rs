@@ -43,6 +43,7 @@ mod standard_errors;
 mod transposition;
 mod transposition_ends;
 mod transposition_materials;
+mod uneven_film;
 mod walls;
 mod warped_claims;
 mod warped_transposition;

@@ -18,8 +18,13 @@ pub struct Lattice {
     /// Sampled domain in pixels of the crop window: from −border to size + border.
     pub start: [i32; 2],
     pub end: [i32; 2],
+    /// Pixels along a tile's sides, at most.
+    tile_sides: [usize; 2],
     tiles: [usize; 2],
 }
+
+/// A rectangle of pixels: from here up to, not including, there.
+pub type Pixels = [[i32; 2]; 2];
 
 /// One tile of one group.
 #[derive(Clone, Debug)]
@@ -79,16 +84,20 @@ impl Lattice {
         let per_pixel = [samples / rows, rows];
         let start = [-(border as i32); 2];
         let end = size.map(|s| (s + border) as i32);
-        let tiles = std::array::from_fn(|i| {
-            let pixels = (end[i] - start[i]) as usize;
-            pixels.div_ceil(((points - 2) / per_pixel[i]).max(1))
-        });
-        Self {
+        let mut lattice = Self {
             per_pixel,
             start,
             end,
-            tiles,
-        }
+            tile_sides: per_pixel.map(|n| ((points - 2) / n).max(1)),
+            tiles: [0; 2],
+        };
+        lattice.tiles = lattice.tiles_over([start, end]);
+        lattice
+    }
+
+    /// Tiles along both sides of these pixels.
+    fn tiles_over(&self, [start, end]: Pixels) -> [usize; 2] {
+        [0, 1].map(|i| ((end[i] - start[i]) as usize).div_ceil(self.tile_sides[i]))
     }
 
     pub fn tile_count(&self) -> usize {
@@ -112,18 +121,28 @@ impl Lattice {
 
     /// Tile `index` of group `group`.
     pub fn tile(&self, index: usize, group: u32, seed: u64) -> Tile {
-        let at = [index % self.tiles[0], index / self.tiles[0]];
-        let stream = Stream::new(seed, [group, index as u32]);
-        let bound = |i: usize, k: usize| {
-            let pixels = (self.end[i] - self.start[i]) as usize;
-            self.start[i] + (pixels * k / self.tiles[i]) as i32
-        };
-        let start = [bound(0, at[0]), bound(1, at[1])];
-        let end = [bound(0, at[0] + 1), bound(1, at[1] + 1)];
+        let own = Stream::new(seed, [group, index as u32]);
+        let whole = Stream::new(seed, [group, u32::MAX]);
+        self.tile_over(self.pixels_of(index), own, whole)
+    }
+
+    /// The pixels of tile `index`.
+    pub fn pixels_of(&self, index: usize) -> Pixels {
+        nth_part([self.start, self.end], self.tiles, index)
+    }
+
+    /// Pixels cut into tiles as large as those of the film.
+    pub fn cut(&self, pixels: Pixels) -> impl Iterator<Item = Pixels> + use<> {
+        let counts = self.tiles_over(pixels);
+        (0..counts[0] * counts[1]).map(move |index| nth_part(pixels, counts, index))
+    }
+
+    /// A tile over pixels, with random numbers of its own and those that it shares with all tiles of
+    /// the group.
+    pub fn tile_over(&self, [start, end]: Pixels, own: Stream, whole: Stream) -> Tile {
         let step = self.per_pixel.map(|n| 1.0 / n as f64);
         // One for all tiles. The weights of a pixel's filter, and their slopes even more, sum up well
         // over a lattice that goes on, and badly over one that is broken at the borders of tiles.
-        let whole = Stream::new(seed, [group, u32::MAX]);
         let shift = [0, 1].map(|axis| whole.single(Single::LatticeShift, [axis, 0, 0]));
         Tile {
             start,
@@ -132,10 +151,20 @@ impl Lattice {
             points: std::array::from_fn(|i| (end[i] - start[i]) as usize * self.per_pixel[i] + 2),
             first: std::array::from_fn(|i| start[i] as f64 + (shift[i] as f64 - 1.0) * step[i]),
             step,
-            stream,
+            stream: own,
             whole,
         }
     }
+}
+
+/// One of so many parts of a rectangle along its sides.
+fn nth_part([start, end]: Pixels, counts: [usize; 2], index: usize) -> Pixels {
+    let at = [index % counts[0], index / counts[0]];
+    let bound = |i: usize, k: usize| {
+        let pixels = (end[i] - start[i]) as usize;
+        start[i] + (pixels * k / counts[i]) as i32
+    };
+    [0, 1].map(|further| [0, 1].map(|i| bound(i, at[i] + further)))
 }
 
 impl Tile {
