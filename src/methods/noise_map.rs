@@ -24,7 +24,7 @@ const SPREAD: f64 = 0.25;
 /// The densities over an even one, about.
 const LADDER: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// What promises less is not done.
-const WORTHWHILE: f64 = 1.3;
+const WORTHWHILE: f64 = 1.25;
 /// Halvings of the interval in which the density is looked for.
 const STEPS: usize = 16;
 
