@@ -1,7 +1,7 @@
 //! What pilots have come to for a scene, kept for those who ask the same of it again.
 
 use super::contender::Contender;
-use super::noise_map::NoiseMap;
+use super::noise_map::{NoiseMap, Survey};
 use super::settings::{Groups, Settings};
 use super::statistics::Pilot;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,11 +9,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Answers that are kept; the oldest goes first.
 const MOST: usize = 8;
 
-/// What was asked: the settings, how many differences would answer, if they can, and the direction.
+/// What was asked: the settings, how many differences would answer, if they can, whether to survey the
+/// film, and the direction.
 #[derive(Clone, PartialEq)]
 pub struct Asked {
     settings: Settings,
     differences: Option<usize>,
+    survey: Survey,
     direction: Vec<(String, Vec<f32>)>,
 }
 
@@ -37,7 +39,7 @@ impl Asked {
     /// Leaves out what a pilot does not depend on.
     pub fn new(
         settings: &Settings,
-        differences: Option<usize>,
+        (differences, survey): (Option<usize>, Survey),
         direction: Vec<(String, Vec<f32>)>,
     ) -> Self {
         let groups = settings.groups();
@@ -53,6 +55,7 @@ impl Asked {
         Self {
             settings,
             differences,
+            survey,
             direction,
         }
     }

@@ -51,16 +51,6 @@ pub struct Job {
     pub differences: usize,
 }
 
-/// Whether to look where on the film the noise lies.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Survey {
-    None,
-    /// If it pays to sample the film unevenly.
-    IfItPays,
-    /// In any case, since what pays depends on an objective.
-    Always,
-}
-
 /// How a trial looks.
 pub struct Look {
     pub settings: Settings,

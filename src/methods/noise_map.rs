@@ -28,6 +28,16 @@ const WORTHWHILE: f64 = 1.25;
 /// Halvings of the interval in which the density is looked for.
 const STEPS: usize = 16;
 
+/// Whether to look where on the film the noise lies.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Survey {
+    None,
+    /// If it pays to sample the film unevenly.
+    IfItPays,
+    /// In any case, since what pays depends on an objective.
+    Always,
+}
+
 /// Variance and work over the film, by blocks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoiseMap {

@@ -11,7 +11,8 @@ use super::contender::Contender;
 use super::decisions::{Answer, Asked};
 use super::difference_step::step;
 use super::error::EngineError;
-use super::looks::{Job, Survey};
+use super::looks::Job;
+use super::noise_map::Survey;
 use super::number_by_number::numbers_of;
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -78,11 +79,11 @@ impl Prepared<'_> {
             return Ok((way.settle(settings), pilot));
         };
         let differences = differences_asked(settings, question, &direction);
+        let survey = survey_for(question);
         let named = direction.iter().map(|(p, v)| (p.key.clone(), v.clone()));
-        let asked = Asked::new(settings, differences, named.collect());
+        let asked = Asked::new(settings, (differences, survey), named.collect());
         let mut seconds = 0.0;
         let mut answer = self.parts.decisions.once(asked, || {
-            let survey = survey_for(question);
             let mut answer =
                 self.try_ways(times, settings, (differences, survey), &direction, progress)?;
             answer.pilot.chosen = answer.way.name();
