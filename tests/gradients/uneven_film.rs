@@ -4,7 +4,7 @@
 use common::comparison::{SIGMAS, SKY};
 use common::scenes::*;
 use common::shapes::Random;
-use common::transposition::{both_sides_by, difference, prepared};
+use common::transposition::{all_parameters, both_sides_by, difference, prepared};
 use common::{Direction, Quiet, direction, flat, settings};
 use glam::vec3;
 use std::sync::Arc;
@@ -127,6 +127,27 @@ fn it_is_less_noisy() {
     println!("{uneven:.4?} {even:.4?} {:?}", pilot.uneven);
     assert!(uneven.0 < even.0 / 1.3, "{uneven:?} {even:?}");
     assert!(uneven.1 < 1.2 * even.1, "{uneven:?} {even:?}");
+}
+
+/// What samples an objective's derivative unevenly is not taken for both sides together, which have to
+/// have the same random numbers whatever the objective is.
+#[test]
+fn both_sides_together_are_even() {
+    let scene = load("scenes/demo.xml", &[]).expect("a scene");
+    let keys = all_parameters(&scene).into_iter();
+    let keys: Vec<_> = keys
+        .filter(|p| p.key == "occluder.vertex_positions")
+        .collect();
+    let own = Settings {
+        resolution: Some([96, 96]),
+        ..settings(&scene, Method::Auto, 64, 1)
+    };
+    let prepared = prepared(&scene);
+    let decided = |question| prepared.decide(&own, &question, &Quiet).expect("an answer");
+    let (backward, _) = decided(Question::Backward(&keys));
+    assert!(backward.noise.is_some());
+    let (both, _) = decided(Question::ForwardAndBackward(&keys));
+    assert!(both.noise.is_none());
 }
 
 /// The variance between runs, summed over all numbers.
