@@ -5,10 +5,12 @@ use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
+use common::shapes::Shape;
 use common::statistics::Agreement;
 use common::transposition::transposed;
 use common::{direction, gradient, settings};
 use glam::{Vec3, vec3};
+use std::f32::consts::{PI, TAU};
 use warpath::methods::Method;
 use warpath::scene::Scene;
 
@@ -41,10 +43,10 @@ fn an_edge_in_a_flat_mirror() {
     checked(&scene, 256, "cam.translation", &MOVED, 0.01);
 }
 
-/// The floor, a mirror, loses no light.
-pub fn lossless(mut scene: Scene) -> Scene {
+/// A mirror loses no light.
+pub fn lossless(mut scene: Scene, mirror: &str) -> Scene {
     for (key, value) in [("eta", 0.0), ("k", 1.0), ("specular_reflectance", 1.0)] {
-        let key = format!("floor.bsdf.{key}");
+        let key = format!("{mirror}.bsdf.{key}");
         let texture = scene.textures.iter_mut().find(|t| t.key == key);
         texture.expect("a texture").texels = vec![[value; 3]];
     }
@@ -54,7 +56,7 @@ pub fn lossless(mut scene: Scene) -> Scene {
 /// An edge in a flat mirror that loses no light is one behind it, where the mirror is a window.
 #[test]
 fn a_flat_mirror_is_a_window() {
-    let folded = lossless(over_a_mirror());
+    let folded = lossless(over_a_mirror(), "floor");
     let mut unfolded = small_floor();
     unfolded.meshes.clear();
     let behind = vec3(CORNER.x, CORNER.y, -CORNER.z);
@@ -97,6 +99,60 @@ fn an_edge_in_a_curved_mirror() {
     let scene = ball_before_a_plate().depth(2).mirror("ball");
     checked(&scene, 256, "near.translation", &MOVED, 0.03);
     checked(&scene, 256, "ball.translation", &MOVED, 0.01);
+}
+
+/// A ball of few long triangles, dented.
+fn dented_ball(radius: f32) -> Shape {
+    const ROWS: u32 = 4;
+    const COLUMNS: u32 = 11;
+    let at = |row: u32, column: u32| {
+        let angles = [
+            row as f32 / ROWS as f32 * PI,
+            column as f32 / COLUMNS as f32 * TAU,
+        ];
+        let [(sine, z), (y, x)] = angles.map(f32::sin_cos);
+        let n = vec3(sine * x, sine * y, z);
+        let waves = [
+            vec3(1.0, -2.0, 0.5),
+            vec3(0.7, 1.1, -1.6),
+            vec3(-1.5, 0.4, 1.2),
+        ];
+        let dents: f32 = waves.iter().map(|wave| n.dot(*wave).sin()).sum();
+        n * (radius * (1.0 + 0.1 * dents))
+    };
+    let ring = |row| (0..COLUMNS).map(move |column| (row, column));
+    let rings = (1..ROWS).flat_map(ring).chain([(0, 0), (ROWS, 0)]);
+    let [top, bottom] = [0, 1].map(|pole| (ROWS - 1) * COLUMNS + pole);
+    let quad = |(row, column): (u32, u32)| {
+        let next = (column + 1) % COLUMNS;
+        let of = |row: u32, column: u32| match row {
+            0 => top,
+            ROWS => bottom,
+            _ => (row - 1) * COLUMNS + column,
+        };
+        let (a, b) = ([row, row + 1, row + 1], [row, row + 1, row]);
+        let first = [of(a[0], column), of(a[1], column), of(a[2], next)];
+        let second = [of(b[0], column), of(b[1], next), of(b[2], next)];
+        let is_whole = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        [first, second].into_iter().filter(is_whole)
+    };
+    let triangles = (0..ROWS).flat_map(ring).flat_map(quad).collect();
+    (
+        rings.map(|(row, column)| at(row, column)).collect(),
+        triangles,
+    )
+}
+
+/// A ball of metal before an even sky that it shows in full: only bands are seen, where its shading
+/// normals send rays below the planes of triangles.
+#[test]
+fn bands_of_a_coarse_ball() {
+    let mut scene = ball_before_a_plate().depth(3);
+    scene.meshes.clear();
+    let ball = placed(dented_ball(0.5), vec3(3.0, 0.0, 290.0), Vec3::ZERO);
+    let scene = scene.smooth("ball", ball, [0.5; 3]).mirror("ball");
+    let scene = lossless(scene, "ball");
+    checked(&scene, 64, "ball.translation", &MOVED, 0.03);
 }
 
 /// Facets smaller than the distance between samples: each is found with its neighbours.

@@ -57,7 +57,10 @@ fn seen() -> Scene {
 #[test]
 fn corners_of_a_tube() {
     let floor = floor(3.0, 0.0);
-    let folded = lossless(seen().solid("floor", floor, [0.5; 3]).mirror("floor"));
+    let folded = lossless(
+        seen().solid("floor", floor, [0.5; 3]).mirror("floor"),
+        "floor",
+    );
     let folded = folded.smooth("tube", tube(), [0.0; 3]);
     let unfolded = seen().smooth("tube", upside_down(tube()), [0.0; 3]);
     let runs = |scene: &Scene, by: [f32; 3], first: u64| -> Vec<Vec<f64>> {

@@ -10,3 +10,4 @@ pub mod look;
 mod rims;
 pub mod search;
 mod shadows;
+mod weights;

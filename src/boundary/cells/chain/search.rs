@@ -16,8 +16,6 @@ use glam::DVec3;
 /// Chances below this are taken for it: it bounds the weight of one border. Both borders of what is
 /// thinner move nearly alike.
 const LEAST_MET: f64 = 0.1;
-/// Places that are nearer to each other are one, in parts of what lies between two borders.
-const SAME_PLACE: f64 = 0.05;
 
 /// A border behind smooth surfaces.
 pub struct Found {
@@ -176,96 +174,6 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         self.branch(runs, way);
     }
 
-    /// Weighs what was found by one over the chance of finding it, and notes those of runs. A border
-    /// is found from the side that hides the other, wherever a point lies there; what in turn hides
-    /// that, up to its own border, finds it as well. So is a run found from what hides it, and from
-    /// what it hangs together with.
-    fn weigh(&mut self, all: &mut Cuts, runs: &mut [Run], (rays, way): (&[Followed], &Way)) {
-        let near: Vec<Near> = all.cuts.iter().map(|cut| cut.near).collect();
-        let first = |mut run: usize| {
-            while run > 0 && near[run - 1] != Near::After {
-                run -= 1;
-            }
-            run
-        };
-        let last = |mut run: usize| {
-            while run < near.len() && near[run] != Near::Before {
-                run += 1;
-            }
-            run
-        };
-        let places: Vec<_> = runs.iter().map(Run::ends).collect();
-        let mut chance = |from: usize, to: usize| match (places[from], places[to]) {
-            (Some([low, _]), Some([_, high])) if from > 0 && to < near.len() => {
-                self.chance_of_part([low, high], (rays, way))
-            }
-            _ => way.met,
-        };
-        for (i, cut) in all.cuts.iter_mut().enumerate() {
-            let Some(border) = &mut cut.border else {
-                continue;
-            };
-            border.weight /= match near[i] {
-                Near::Before => chance(first(i), i),
-                Near::After => chance(i + 1, last(i + 1)),
-                Near::None => chance(first(i), last(i + 1)),
-                Near::OwnPlane => {
-                    own_plane_counts(cut.sides[0].leaks, [i == 0, i + 1 == near.len()], way)
-                }
-            };
-        }
-        let met: Vec<f64> = (0..runs.len()).map(|r| chance(first(r), last(r))).collect();
-        for (run, met) in runs.iter_mut().zip(met) {
-            run.met = met;
-        }
-        for ridge in &mut all.ridges {
-            let holds = |run: &&Run| {
-                run.ends()
-                    .is_some_and(|[from, to]| (from..=to).contains(&ridge.s))
-            };
-            if let Some(run) = runs.iter().find(holds) {
-                ridge.weight /= run.met;
-            }
-        }
-        self.found.append(&mut all.ridges);
-        self.found
-            .extend(all.cuts.iter_mut().filter_map(|cut| cut.border.take()));
-    }
-
-    /// The chance that a part of the line is found, other than at its ends.
-    ///
-    /// That is the chance that a point lies on it, unless it is found from beyond, too: what a sheet
-    /// shows of its other side lies behind a fold of the one that is seen, and whoever walks over it
-    /// from there passes the fold. A part that no point lies in was found so. Of one in which points do
-    /// lie, it is tried whether it is found without them. Else borders would weigh more than they are
-    /// rare.
-    fn chance_of_part(&mut self, [low, high]: [f64; 2], (rays, way): (&[Followed], &Way)) -> f64 {
-        let chance = self.chance([low, high], way);
-        if chance >= way.met {
-            return chance;
-        }
-        let lies_there = |ray: &Followed| (low..=high).contains(&ray.s);
-        if !rays.iter().any(lies_there) {
-            return way.met;
-        }
-        let before = rays.iter().rev().find(|ray| ray.s < low);
-        let after = rays.iter().find(|ray| ray.s > high);
-        let (Some(before), Some(after)) = (before, after) else {
-            return chance;
-        };
-        let mut without = Cuts::default();
-        let unresolved = self.counts.unresolved;
-        self.cuts([before, after], way, &mut without);
-        self.counts.unresolved = unresolved;
-        let room = SAME_PLACE * (high - low);
-        let part = low - room..=high + room;
-        let is_found = without
-            .cuts
-            .iter()
-            .any(|cut| part.contains(&cut.sides[0].s));
-        if is_found { way.met } else { chance }
-    }
-
     /// The chance that any point lies between two places.
     pub(super) fn chance(&self, [from, to]: [f64; 2], way: &Way) -> f64 {
         let chance = match way.points {
@@ -282,15 +190,6 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         };
         chance.max(LEAST_MET)
     }
-}
-
-/// Whether a border at which rays change sides of a plane counts: infinity if not. Those that lie
-/// between two such borders move alike, and what they bring cancels. Only what reaches to the end of
-/// the surface is left. Given are whether rays leak before the border, and whether nothing else is
-/// known on either side of it.
-fn own_plane_counts(leaks_first: bool, is_open: [bool; 2], way: &Way) -> f64 {
-    let reaches_end = is_open[usize::from(!leaks_first)];
-    if reaches_end { way.met } else { f64::INFINITY }
 }
 
 /// A border and the rays beside it.
