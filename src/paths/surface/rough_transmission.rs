@@ -2,22 +2,35 @@
 //!
 //! A rough plastic's diffuse base is lit through its interface. What gets through at an angle is
 //! ∫(1 − F)·G₁(o) over the visible normals, o being the refracted direction: no closed form, so it
-//! is tabulated over the cosine, with the 64 cosines of Mitsuba's `roughplastic`; so is what comes
-//! back from inside, ∫F·G₁(o) with o reflected. Differences of tables give the slopes by roughness
-//! and by the index of refraction.
+//! is tabulated over the cosine, with the 64 cosines of Mitsuba's `roughplastic`. What comes back
+//! from inside is ∫F·G₁(o) with o reflected. Differences of both give the slopes by roughness and by
+//! the index of refraction.
+//!
+//! From inside, F turns off sharply where total reflection begins, and a sum over sample normals would
+//! jump whenever one of them passes that angle as the index changes. Only F depends on the index
+//! there, and only by the cosine to the normal. So the rest is gathered over that cosine once, and F
+//! is averaged around each of its places.
 
 use crate::kernels::bsdf::RoughTransmission;
 use crate::kernels::fresnel::fresnel_dielectric;
 use crate::kernels::microfacet::smith_g1_over_cos;
 use crate::lanes::Real;
+use crate::paths::surface::microfacet_sample::{visible_normal, weight};
 use glam::DVec3;
 
 /// Cosines of a table, as in Mitsuba.
 const ENTRIES: usize = 64;
 /// Sample normals an integral along each of its two coordinates.
 const NODES: usize = 32;
+/// Cosines to a normal at which it is known what comes back from inside.
+const PLACES: usize = 257;
+/// Where F is looked up between two of them.
+const AROUND: usize = 32;
+/// Steps that fill an interval evenly, and two of them a square.
+const GOLDEN: f64 = 0.754_877_666;
+const SILVER: f64 = 0.569_840_291;
 /// Relative step in roughness, and in the index of refraction.
-const STEP: f64 = 0.01;
+const STEP: f64 = 0.03;
 
 /// Transmittance from outside over the cosine, and mean reflectance from inside.
 pub struct TransmissionTable {
@@ -36,16 +49,60 @@ struct Interfaces {
     inside: f64,
 }
 
+/// What would come back from inside in all if all of it were reflected, by the cosine to the normals
+/// that reflect it: at equal distances from 0 to 1.
+struct Inside([f64; PLACES]);
+
+impl Inside {
+    fn new(alpha: f64, is_ggx: bool) -> Self {
+        let mut places = [0.0; PLACES];
+        for (i, mu) in (0..ENTRIES).map(cosine).enumerate() {
+            // Of every cosine other normals.
+            let shift = [GOLDEN, SILVER].map(|step| (0.5 + i as f64 * step).fract());
+            // 2∫R(μ) μ dμ, as Mitsuba's plain mean over the same cosines has it.
+            let share = 2.0 * mu / ENTRIES as f64;
+            for_each_normal((mu, shift), alpha, is_ggx, |wi, h, weight| {
+                let cos_half = wi.dot(h);
+                let sent = share * weight * shown(2.0 * cos_half * h.z - wi.z, alpha, is_ggx);
+                let place = cos_half.min(1.0) * (PLACES - 1) as f64;
+                let below = (place as usize).min(PLACES - 2);
+                let part = place - below as f64;
+                places[below] += sent * (1.0 - part);
+                places[below + 1] += sent * part;
+            });
+        }
+        Self(places)
+    }
+
+    /// What does come back.
+    fn reflected(&self, eta: f64) -> f64 {
+        let step = 1.0 / (PLACES - 1) as f64;
+        let mean = |i: usize| {
+            let (mut sum, mut all) = (0.0, 0.0);
+            for k in 0..2 * AROUND {
+                // From one neighbour to the other, the nearer the more.
+                let away = (k as f64 + 0.5) / AROUND as f64 - 1.0;
+                let cos = (i as f64 + away) * step;
+                if (0.0..=1.0).contains(&cos) {
+                    sum += (1.0 - away.abs()) * fresnel_dielectric(cos, 1.0 / eta);
+                    all += 1.0 - away.abs();
+                }
+            }
+            sum / all
+        };
+        self.0
+            .iter()
+            .enumerate()
+            .map(|(i, sent)| sent * mean(i))
+            .sum()
+    }
+}
+
 impl Interfaces {
-    fn new(eta: f64, alpha: f64, is_ggx: bool) -> Self {
-        // 2∫R(μ) μ dμ, as Mitsuba's plain mean over the same cosines has it.
-        let inside: f64 = (0..ENTRIES)
-            .map(cosine)
-            .map(|mu| mu * through(mu, 1.0 / eta, alpha, is_ggx, false))
-            .sum();
+    fn new(eta: f64, alpha: f64, inside: &Inside, is_ggx: bool) -> Self {
         Self {
-            outside: std::array::from_fn(|i| through(cosine(i), eta, alpha, is_ggx, true)),
-            inside: 2.0 * inside / ENTRIES as f64,
+            outside: std::array::from_fn(|i| transmitted(cosine(i), eta, alpha, is_ggx)),
+            inside: inside.reflected(eta),
         }
     }
 
@@ -63,11 +120,15 @@ impl TransmissionTable {
     /// `eta`: index inside over outside.
     pub fn new(eta: f32, alpha: f32, is_ggx: bool) -> Self {
         let (e, a) = (f64::from(eta), f64::from(alpha));
-        let of = |eta: f64, alpha: f64| Interfaces::new(eta, alpha, is_ggx);
-        let (low, high) = (1.0 - STEP, 1.0 + STEP);
-        let (by_alpha, inner_by_alpha) = of(e, a * low).slopes(&of(e, a * high), 2.0 * STEP * a);
-        let (by_eta, inner_by_eta) = of(e * low, a).slopes(&of(e * high, a), 2.0 * STEP * e);
-        let here = of(e, a);
+        let factors = [1.0 - STEP, 1.0 + STEP];
+        let other = |a: f64| Interfaces::new(e, a, &Inside::new(a, is_ggx), is_ggx);
+        let [low, high] = factors.map(|by| other(a * by));
+        let (by_alpha, inner_by_alpha) = low.slopes(&high, 2.0 * STEP * a);
+        let inside = Inside::new(a, is_ggx);
+        let of = |eta: f64| Interfaces::new(eta, a, &inside, is_ggx);
+        let [low, high] = factors.map(|by| of(e * by));
+        let (by_eta, inner_by_eta) = low.slopes(&high, 2.0 * STEP * e);
+        let here = of(e);
         let inner = here.inside as f32 - inner_by_alpha * alpha - inner_by_eta * eta;
         Self {
             outside: here.outside.map(|v| v as f32),
@@ -148,33 +209,72 @@ fn cosine(i: usize) -> f64 {
     (i as f64 / (ENTRIES - 1) as f64).max(1e-6)
 }
 
-/// What a rough interface lets through, or else reflects, of light at cosine `cos`; `ratio` is the
-/// index beyond it over that before it.
-fn through(cos: f64, ratio: f64, alpha: f64, is_ggx: bool, refracts: bool) -> f64 {
+/// Calls `each` with the direction that light comes from at cosine `cos`, some of the normals that are
+/// visible from there, whose lattice stands at `shift` in its cells, and the part that each stands for.
+fn for_each_normal(
+    (cos, shift): (f64, [f64; 2]),
+    alpha: f64,
+    is_ggx: bool,
+    mut each: impl FnMut(DVec3, DVec3, f64),
+) {
     let wi = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let mut sum = 0.0;
     for i in 0..NODES {
         for j in 0..NODES {
-            let [u, v] = [i, j].map(|k| (k as f64 + 0.5) / NODES as f64);
-            let h = crate::paths::surface::microfacet_sample::visible_normal(wi, alpha, [u, v]);
-            let cos_half = wi.dot(h);
-            if cos_half <= 0.0 {
-                continue;
-            }
-            let reflected = fresnel_dielectric(cos_half, ratio);
-            let (share, cos_out) = if refracts {
-                let beyond = 1.0 - (1.0 - cos_half * cos_half) / (ratio * ratio);
-                let o = h * (cos_half / ratio - beyond.max(0.0).sqrt()) - wi / ratio;
-                (1.0 - reflected, -o.z)
-            } else {
-                (reflected, 2.0 * cos_half * h.z - wi.z)
-            };
-            if cos_out > 0.0 {
-                let unhidden = cos_out * smith_g1_over_cos(cos_out, alpha, is_ggx);
-                let weight = crate::paths::surface::microfacet_sample::weight(wi, h, alpha, is_ggx);
-                sum += share * unhidden * weight;
+            let uv = [i as f64 + shift[0], j as f64 + shift[1]].map(|at| at / NODES as f64);
+            let h = visible_normal(wi, alpha, uv);
+            if wi.dot(h) > 0.0 {
+                each(wi, h, weight(wi, h, alpha, is_ggx) / (NODES * NODES) as f64);
             }
         }
     }
-    sum / (NODES * NODES) as f64
+}
+
+/// The part of what leaves at this cosine that the interface does not hide; zero below it.
+fn shown(cos_out: f64, alpha: f64, is_ggx: bool) -> f64 {
+    match cos_out > 0.0 {
+        true => cos_out * smith_g1_over_cos(cos_out, alpha, is_ggx),
+        false => 0.0,
+    }
+}
+
+/// What a rough interface lets through of light at cosine `cos`; `ratio` is the index beyond it over
+/// that before it.
+fn transmitted(cos: f64, ratio: f64, alpha: f64, is_ggx: bool) -> f64 {
+    let mut sum = 0.0;
+    for_each_normal((cos, [0.5; 2]), alpha, is_ggx, |wi, h, weight| {
+        let cos_half = wi.dot(h);
+        let beyond = 1.0 - (1.0 - cos_half * cos_half) / (ratio * ratio);
+        let o = h * (cos_half / ratio - beyond.max(0.0).sqrt()) - wi / ratio;
+        let share = 1.0 - fresnel_dielectric(cos_half, ratio);
+        sum += share * weight * shown(-o.z, alpha, is_ggx);
+    });
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The slopes are those of what is tabulated, over short steps and long ones.
+    #[test]
+    fn slopes_are_those_of_the_tables() {
+        let inner = |eta: f32, alpha: f32| {
+            let [a, b, c] = TransmissionTable::new(eta, alpha, false).inner;
+            f64::from(a + b * alpha + c * eta)
+        };
+        for (eta, alpha) in [(1.44, 0.12), (1.49, 0.2), (1.53, 0.12), (1.6, 0.35)] {
+            let [_, by_alpha, by_eta] = TransmissionTable::new(eta, alpha, false).inner;
+            for step in [0.003, 0.01] {
+                let measured = |high: f64, low: f64| (high - low) / f64::from(2.0 * step);
+                let eta_slope = measured(inner(eta + step, alpha), inner(eta - step, alpha));
+                let alpha_slope = measured(inner(eta, alpha + step), inner(eta, alpha - step));
+                let off = [
+                    eta_slope / f64::from(by_eta) - 1.0,
+                    alpha_slope / f64::from(by_alpha) - 1.0,
+                ];
+                let is_right = off.iter().all(|off| off.abs() < 0.02);
+                assert!(is_right, "{eta} {alpha} {step}: {off:?}");
+            }
+        }
+    }
 }
