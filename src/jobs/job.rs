@@ -56,7 +56,7 @@ pub struct Job {
     /// Seed of the random numbers
     #[serde(default)]
     pub seed: Option<u64>,
-    /// forward, backward: how visibility is differentiated [default: reparam]
+    /// forward, backward: how visibility is differentiated [default: auto]
     #[serde(default)]
     pub method: Option<Method>,
     /// Longest path in segments, -1 for no limit
