@@ -11,6 +11,7 @@ use super::scenes::key::SceneKey;
 use super::scenes::loaded::Loaded;
 use super::scenes::store::{Admission, Store};
 use crate::jobs::attachments;
+use crate::jobs::direction;
 use crate::jobs::failure::Failure;
 use crate::jobs::job::Job;
 use crate::jobs::read;
@@ -92,8 +93,9 @@ impl Shared<'_> {
     /// The scene with the job's values.
     fn edited<'a>(&self, job: &Job, loaded: &'a Loaded) -> Result<EditedScene<'a>, Failure> {
         let mut scene = EditedScene::new(loaded.base());
-        for (key, numbers) in &job.set.0 {
-            let parameter = parameters::find(scene.scene(), key)?;
+        let all = job.set.0.iter();
+        let found = direction::distinct(all.map(|(key, _)| parameters::find(scene.scene(), key)))?;
+        for ((key, numbers), parameter) in job.set.0.iter().zip(found) {
             let values = numbers.exactly(&parameter, key)?;
             scene.set(&parameter, &values)?;
         }

@@ -24,10 +24,7 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
         &arguments.parameters,
         session.settings.sensor,
     )?;
-    if direction
-        .iter()
-        .all(|(_, tangent)| tangent.iter().all(|value| *value == 0.0))
-    {
+    if direction::is_zero(&direction) {
         session.warn("the tangent is zero, and so is the gradient".into());
     }
     let settings = session.settings.clone();

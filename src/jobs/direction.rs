@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::numbers::Numbers;
-use crate::scene::Scene;
 use crate::scene::parameters::{self, Parameter};
+use crate::scene::{Scene, SceneError};
 
 /// A direction in parameter space: each parameter with one number for every number it has.
 pub type Direction = Vec<(Parameter, Vec<f32>)>;
@@ -26,13 +26,30 @@ pub fn resolve(
         .collect()
 }
 
-/// Finds parameters that sensor `sensor` can be differentiated by. Two names of the same one are a
-/// mistake.
+/// Whether nothing moves.
+pub fn is_zero(direction: &Direction) -> bool {
+    let mut all = direction.iter().flat_map(|(_, tangent)| tangent);
+    all.all(|value| *value == 0.0)
+}
+
+/// Finds parameters that sensor `sensor` can be differentiated by, each under the name that it is asked
+/// for by: so are its results named. Two names of the same one are a mistake.
 pub fn find(scene: &Scene, keys: &[&str], sensor: usize) -> Result<Vec<Parameter>, Failure> {
-    let mut found: Vec<Parameter> = Vec::with_capacity(keys.len());
-    for key in keys {
-        let parameter = parameters::find(scene, key)?;
+    let mut found = distinct(keys.iter().map(|key| parameters::find(scene, key)))?;
+    for (parameter, key) in found.iter_mut().zip(keys) {
         parameter.check_sensor(scene, sensor)?;
+        parameter.key = (*key).to_owned();
+    }
+    Ok(found)
+}
+
+/// The parameters, none of which may be there twice.
+pub fn distinct(
+    parameters: impl Iterator<Item = Result<Parameter, SceneError>>,
+) -> Result<Vec<Parameter>, Failure> {
+    let mut found: Vec<Parameter> = Vec::new();
+    for parameter in parameters {
+        let parameter = parameter?;
         if found.iter().any(|other| other.key == parameter.key) {
             return Err(Failure::Input(format!("{} is given twice", parameter.key)));
         }

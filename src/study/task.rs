@@ -62,6 +62,10 @@ impl<'a> Task<'a> {
             other => other,
         };
         let direction = direction::resolve(scene, &moves.tangents, 0).map_err(placed)?;
+        if direction::is_zero(&direction) {
+            let what = "all tangents are zero: nothing moves that could be measured";
+            return Err(placed(Failure::Input(what.into())));
+        }
         let step = methods::difference_step(scene, &settings, &direction)
             .map_err(|error| placed(Failure::from_engine(error, None)))?;
         let size = settings::size(&settings, scene).map(|side| side as usize);

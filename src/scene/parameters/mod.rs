@@ -36,8 +36,8 @@ pub fn list(scene: &Scene) -> Vec<Parameter> {
     entries.map(|e| Parameter::from_entry(scene, e)).collect()
 }
 
-/// The differentiable parameter of this key or alias, by the name it is asked for; the error names the
-/// nearest key, or says why it cannot be differentiated.
+/// The differentiable parameter of this key or alias; the error names the nearest key, or says why
+/// it cannot be differentiated.
 pub fn find(scene: &Scene, key: &str) -> Result<Parameter, SceneError> {
     let entries = entries(scene);
     let matches = |e: &Entry| e.key == key || e.aliases.iter().any(|a| a == key);
@@ -46,10 +46,7 @@ pub fn find(scene: &Scene, key: &str) -> Result<Parameter, SceneError> {
             return Err(not_differentiable(key));
         };
         return match (entry.target, entry.refusal) {
-            (Some(_), _) => Ok(Parameter {
-                key: key.to_owned(),
-                ..Parameter::from_entry(scene, entry)
-            }),
+            (Some(_), _) => Ok(Parameter::from_entry(scene, entry)),
             (None, Some(why)) => Err(SceneError::parameter(format!(
                 "{} cannot be differentiated: {why}",
                 shown(key)

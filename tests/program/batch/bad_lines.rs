@@ -175,6 +175,11 @@ fn bad_lines() -> Vec<(String, i32, &'static str)> {
             3,
             "the shape is (3,), card.vertex_positions has (4, 3)",
         ),
+        (
+            set(r#""card.positions":[0,0,0],"card.vertex_positions":[0,0,0]"#),
+            3,
+            "card.vertex_positions is given twice",
+        ),
         (set(r#""card.scale":-1"#), 3, "a scale is greater than zero"),
         (
             set(r#""floor.bsdf.reflectance.value":[2,0,0]"#),

@@ -165,6 +165,28 @@ fn the_same_vertices_are_the_same_scene_from_an_array_or_a_tensor() {
     assert!((1..4).all(|i| files(&at.join(format!("out/{i}"))) == first));
 }
 
+/// Who asks by another name of a parameter is answered by that name.
+#[test]
+fn gradients_have_the_names_they_are_asked_for_by() {
+    let directory = workplace();
+    let at = directory.path();
+    std::fs::write(at.join("s.xml"), SCENE).unwrap();
+    let target = vec![0u8; 4 * 8 * 6 * 3];
+    npy(at, "target.npy", "<f4", "(6, 8, 3)", &target);
+    let job = json!({
+        "id": "0", "mode": "backward", "scene": "s.xml", "params": ["floor.positions"],
+        "target": "target.npy", "resolution": [8, 6], "outputs": ["gradients.npz"],
+    });
+    write(at, "jobs.jsonl", &[job]);
+    run(at, "batch jobs.jsonl -o out -q", 0);
+    let lines = std::fs::read_to_string(at.join("out/results.jsonl")).unwrap();
+    let line: Value = serde_json::from_str(lines.lines().next().unwrap()).unwrap();
+    assert!(line["norms"]["floor.positions"].is_number(), "{line}");
+    let gradients = std::fs::read(at.join("out/0/gradients.npz")).unwrap();
+    let name = b"floor.positions.npy";
+    assert!(gradients.windows(name.len()).any(|w| w == name));
+}
+
 /// What a job's rays hit does not depend on the jobs whose structure it refits, nor on their
 /// number.
 #[test]

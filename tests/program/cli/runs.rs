@@ -166,7 +166,7 @@ fn backward_is_the_transpose_of_forward() {
         (forward - product).abs() < 1e-4 * size,
         "{forward} {product} {size}"
     );
-    let of_positions = numbers("card.vertex_positions");
+    let of_positions = numbers("card.positions");
     for axis in 0..3 {
         let sum: f64 = of_positions.iter().skip(axis).step_by(3).sum();
         assert!(

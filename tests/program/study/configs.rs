@@ -4,7 +4,7 @@ use super::CONFIG;
 use crate::workplace::{expect, text, typed, warpath, workplace};
 
 /// A part of the configuration, what it is replaced by, and what is said of it.
-const WRONG: [(&str, &str, &str); 23] = [
+const WRONG: [(&str, &str, &str); 24] = [
     ("spp = [4, 16]", "spp = = 3", "c.toml:2:7: not TOML"),
     (
         "repeats = 12",
@@ -51,6 +51,11 @@ const WRONG: [(&str, &str, &str); 23] = [
         "\"card.translation\"",
         "\"cart.translation\"",
         "the nearest is \"card.translation\"",
+    ),
+    (
+        "\"card.translation\" = [1, 0, 0]",
+        "\"card.translation\" = [0, 0, 0]",
+        "all tangents are zero",
     ),
     (
         "\"card.translation\" = [1, 0, 0]",
