@@ -26,9 +26,9 @@ const NODES: usize = 32;
 const PLACES: usize = 65;
 /// Where F is looked up between two of them.
 const AROUND: usize = 64;
-/// Steps that fill an interval evenly, and two of them a square.
-const GOLDEN: f64 = 0.754_877_666;
-const SILVER: f64 = 0.569_840_291;
+/// Steps that fill a square evenly: 1/p and 1/p² for the plastic number p = 1.3247….
+const STEP_U: f64 = 0.754_877_666;
+const STEP_V: f64 = 0.569_840_291;
 /// Relative step in roughness, and in the index of refraction.
 const STEP: f64 = 0.03;
 
@@ -58,7 +58,7 @@ impl Inside {
         let mut places = [0.0; PLACES];
         for (i, mu) in (0..ENTRIES).map(cosine).enumerate() {
             // Of every cosine other normals.
-            let shift = [GOLDEN, SILVER].map(|step| (0.5 + i as f64 * step).fract());
+            let shift = [STEP_U, STEP_V].map(|step| (0.5 + i as f64 * step).fract());
             // 2∫R(μ) μ dμ, as Mitsuba's plain mean over the same cosines has it.
             let share = 2.0 * mu / ENTRIES as f64;
             for_each_normal((mu, shift), alpha, is_ggx, |wi, h, weight| {
