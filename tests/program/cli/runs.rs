@@ -175,7 +175,7 @@ fn backward_is_the_transpose_of_forward() {
         );
     }
     assert_eq!(numbers("card.translation#se").len(), 3);
-    assert!(numbers("card.vertex_positions#se").iter().any(|e| *e > 0.0));
+    assert!(numbers("card.positions#se").iter().any(|e| *e > 0.0));
     let without = run(directory.path(), &format!("{line} --no-stderr"));
     let tensors = safetensors::SafeTensors::deserialize(&without["gradients.safetensors"]).unwrap();
     assert_eq!(tensors.names().len(), 2);
