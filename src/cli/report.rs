@@ -120,6 +120,10 @@ impl Report {
                 "silhouette_not_found" => losses.push(format!(
                     "{count} of {cells} cells had no silhouette found; their part of the gradient is missing"
                 )),
+                "normal_turned_round" => losses.push(format!(
+                    "at {count} places normals of a normalmap or bumpmap look away from the ray and are turned round; \
+                     how the border of such places moves is missing from the gradient"
+                )),
                 cause => losses.push(format!(
                     "{count} {} were not finite and count as zero: the scene has numbers that are too large \
                      or too small",

@@ -9,6 +9,7 @@
 use crate::discontinuity::adjacency::Across;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::walk::FLAT;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
@@ -94,7 +95,8 @@ fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Whether pictures jump across the edge that starts at `corner` of a triangle: as their texture
-/// coordinates do, or since both sides have vertices, or triangles, with values of their own.
+/// coordinates do, or since both sides have vertices, or triangles, with values of their own, or turn
+/// normals about axes of their own.
 pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let Some(pattern) = geometry.pattern(triangle) else {
         return false;
@@ -110,4 +112,34 @@ pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
     pattern.of_faces
         || (pattern.of_vertices && own != other)
         || (pattern.by_uv && own.map(uv) != other.map(uv))
+        || (pattern.turns_normals && turns_otherwise(geometry, [triangle, across.triangle]))
+}
+
+/// Whether the axes about which pictures turn normals jump across the edge between two triangles.
+fn turns_otherwise(geometry: &Geometry, triangles: [u32; 2]) -> bool {
+    let [a, b] = triangles.map(|t| by_uv(geometry, t));
+    a.into_iter()
+        .zip(b)
+        .any(|(a, b)| (a - b).length_squared() > FLAT * a.length_squared())
+}
+
+/// The derivatives of the position by texture coordinates on a triangle, or along two of its edges
+/// where there are none.
+fn by_uv(geometry: &Geometry, triangle: u32) -> [DVec3; 2] {
+    let corners = geometry.triangles[triangle as usize];
+    let [p, q, r] = corners.map(|v| geometry.positions[v as usize].as_dvec3());
+    let edges = [q - p, r - p];
+    let [s, t, u] = corners.map(|v| {
+        let uv = geometry.uvs.get(v as usize);
+        uv.copied().unwrap_or_default().as_dvec2()
+    });
+    let [along, across] = [t - s, u - s];
+    let area = along.perp_dot(across);
+    if area == 0.0 {
+        return edges;
+    }
+    [
+        (edges[0] * across.y - edges[1] * along.y) / area,
+        (edges[1] * along.x - edges[0] * across.x) / area,
+    ]
 }

@@ -1,7 +1,7 @@
 //! Dual numbers: a value and its tangent, over any lane type. Kernels that run over them
 //! differentiate forward.
 
-use super::Real;
+use super::{Number, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number and its derivative along one direction.
@@ -19,6 +19,15 @@ impl<R: Real> Dual<R> {
     #[inline(always)]
     pub fn new(value: R, tangent: R) -> Self {
         Self { value, tangent }
+    }
+}
+
+impl Number for Dual<f64> {
+    fn value(self) -> f64 {
+        self.value
+    }
+    fn with_tangent(value: f64, tangent: f64) -> Self {
+        Self::new(value, tangent)
     }
 }
 

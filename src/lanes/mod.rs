@@ -9,5 +9,5 @@ mod vec3;
 
 pub use dual::Dual;
 pub use packets::{F32x8, F32x16, LANES, Lane, PacketMask};
-pub use real::{Mask, Real};
+pub use real::{Mask, Number, Real};
 pub use vec3::V3;

@@ -40,3 +40,19 @@ pub trait Real:
     /// `yes` where `mask` holds, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 }
+
+/// One number, with a tangent or without.
+pub trait Number: Real<Mask = bool> {
+    fn value(self) -> f64;
+    /// A number without a tangent leaves this one out.
+    fn with_tangent(value: f64, tangent: f64) -> Self;
+}
+
+impl Number for f64 {
+    fn value(self) -> f64 {
+        self
+    }
+    fn with_tangent(value: f64, _: f64) -> Self {
+        value
+    }
+}

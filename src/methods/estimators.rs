@@ -99,8 +99,6 @@ pub enum Discontinuity {
     Mirrored,
     /// What is seen behind surfaces that do nothing to light, and behind masks.
     BehindNull,
-    /// What is seen in or behind a perfectly smooth surface whose normals a picture turns.
-    InRelief,
     /// What is seen in rough glass, in materials of several layers, and in brushed ones.
     InLayers,
     /// Lines in which surfaces pass through one another.

@@ -71,12 +71,6 @@ pub fn check(
                  moves would be wrong; use its rough variant with an alpha such as 0.01"
             ));
         }
-        if is_smooth && material.relief.is_some() && misses(Discontinuity::InRelief) {
-            return refuse(format!(
-                "{key}: edges seen in a perfectly smooth surface whose normals a picture turns are not found, so gradients \
-                 by what moves would be wrong; use its rough variant with an alpha such as 0.01"
-            ));
-        }
     }
     if misses(Discontinuity::SharpShadow)
         && let Some(light) = scene.delta_lights.first()

@@ -5,28 +5,65 @@
 //! ray is a function of the first one and of the surfaces ([`through`]), which is smooth as long as
 //! the surfaces are.
 
-use crate::discontinuity::boundary::{dvec3, vector};
-use crate::kernels::bsdf::consistent_normal;
-use crate::kernels::bsdf::{Interface, LobeMasks, RoughTransmission, bsdf_sample};
-use crate::kernels::smooth::smooth_ray;
-use crate::lanes::{Real, V3};
-use crate::paths::chain_vertex::{Bend, ChainVertex, Turn};
-use crate::paths::leaving::OFFSET;
+use crate::kernels::smooth::{smooth_hit, smooth_turn};
+use crate::lanes::{Number, V3};
+use crate::paths::chain_relief::ReliefPlace;
+use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::scene_view::SceneView;
-use crate::paths::surface::interface::texture_at;
-use crate::paths::surface::kinds::Kinds;
-use crate::paths::surface::materials::{ETA, Entry, SLOTS};
-use crate::paths::surface::parts::{Fraction, Part};
-use crate::paths::surface::texture::Lookup;
-use crate::trace::geometry::{Geometry, NO_TRIANGLE};
+use crate::paths::surface::materials::{ETA, Entry};
+use crate::paths::surface::relief::Turned;
+use crate::scene::Relief;
+use crate::trace::geometry::Geometry;
 use glam::{DVec3, Vec3};
+
+/// What chains meet, in numbers with tangents or without.
+pub trait ChainScene<F> {
+    fn point(&self, vertex: u32) -> V3<F>;
+    /// The shading normal of a vertex.
+    fn normal(&self, vertex: u32) -> V3<F>;
+    /// The index of refraction that a texture holds.
+    fn eta(&self, texture: usize) -> F;
+    /// How a place of a relief changes: its direction, or its rises.
+    fn relief_change(&self, relief: &Relief, turned: &Turned) -> Vec3;
+}
+
+/// A scene in which nothing moves.
+pub struct AtRest<'a>(pub &'a SceneView<'a>);
+
+impl<F: Number> ChainScene<F> for AtRest<'_> {
+    fn point(&self, vertex: u32) -> V3<F> {
+        constant(self.0.geometry.positions[vertex as usize])
+    }
+
+    fn normal(&self, vertex: u32) -> V3<F> {
+        constant(self.0.geometry.normals[vertex as usize])
+    }
+
+    fn eta(&self, texture: usize) -> F {
+        F::splat(f64::from(self.0.scene.constant(texture)[0]))
+    }
+
+    fn relief_change(&self, _: &Relief, _: &Turned) -> Vec3 {
+        Vec3::ZERO
+    }
+}
+
+fn constant<F: Number>(v: Vec3) -> V3<F> {
+    let [x, y, z] = v.to_array().map(|c| F::splat(f64::from(c)));
+    V3 { x, y, z }
+}
+
+/// What a vertex of a chain is made of.
+pub fn entry<'v>(vertex: &ChainVertex, view: &SceneView<'v>) -> &'v Entry {
+    let mesh = view.geometry.mesh_of_triangle[vertex.triangle as usize] as usize;
+    let material = view.scene.meshes[mesh].material;
+    view.materials.entry_of_part(material, vertex.turn.part)
+}
 
 /// The texture of a vertex's index of refraction, if it has one.
 pub fn eta_texture(vertex: &ChainVertex, view: &SceneView) -> Option<usize> {
-    let mesh = view.geometry.mesh_of_triangle[vertex.triangle as usize] as usize;
-    let material = view.scene.meshes[mesh].material;
-    let entry = view.materials.entry_of_part(material, vertex.turn.part);
-    let eta = entry.slots.iter().find(|(slot, _)| *slot == ETA);
+    let slots = &entry(vertex, view).slots;
+    let eta = slots.iter().find(|(slot, _)| *slot == ETA);
     eta.filter(|_| vertex.is_refracted())
         .map(|&(_, texture)| texture)
 }
@@ -45,288 +82,35 @@ pub fn vertex_normals(geometry: &Geometry, triangle: u32) -> [DVec3; 3] {
 }
 
 /// The last ray of a chain whose first ray starts at `o` along `d`: where it starts, and its unit
-/// direction. `point` and `normal` give vertices and their shading normals, `eta` the index of a
-/// texture, all over any lane type, tangents and all. They are applied to every vertex in turn.
-pub fn through<F: Real<Mask = bool>>(
+/// direction.
+pub fn through<F: Number>(
     view: &SceneView,
     chain: &[ChainVertex],
     (o, d): (V3<F>, V3<F>),
-    point: impl Fn(u32) -> V3<F>,
-    normal: impl Fn(u32) -> V3<F>,
-    eta: impl Fn(usize) -> F,
+    scene: &impl ChainScene<F>,
 ) -> (V3<F>, V3<F>) {
     chain.iter().fold((o, d), |(o, d), vertex| {
-        let corners = view.geometry.triangles[vertex.triangle as usize];
+        let ids = view.geometry.triangles[vertex.triangle as usize];
+        let corners = ids.map(|v| scene.point(v));
         let is_shaded = is_shaded(view.geometry, vertex.triangle);
         let normals = if is_shaded {
-            corners.map(&normal)
+            ids.map(|v| scene.normal(v))
         } else {
-            [V3::new(F::splat(0.0), F::splat(0.0), F::splat(1.0)); 3]
+            [constant(Vec3::Z); 3]
         };
-        let eta = eta_texture(vertex, view).map_or(F::splat(1.0), &eta);
-        smooth_ray(
-            o,
-            d,
-            corners.map(&point),
-            normals,
-            F::splat(vertex.facing()),
-            vertex.ratio(eta),
-            is_shaded,
-            vertex.is_reflected(),
-            vertex.is_refracted(),
-        )
+        let facing = F::splat(vertex.facing());
+        let (x, n, b1, b2) = smooth_hit(o, d, corners, normals, facing, is_shaded);
+        let n = match ReliefPlace::on(vertex, view, [b1, b2].map(F::value)) {
+            None => n,
+            Some(place) => {
+                let change = scene.relief_change(place.relief, &place.turned);
+                let numbers = place.numbers([b1, b2], change);
+                place.turn(n, d, corners, numbers)
+            }
+        };
+        let eta = eta_texture(vertex, view).map_or(F::splat(1.0), |t| scene.eta(t));
+        let [is_reflected, is_refracted] = [vertex.is_reflected(), vertex.is_refracted()];
+        let next = smooth_turn(n, d, vertex.ratio(eta), is_reflected, is_refracted);
+        (x, next)
     })
 }
-
-/// Where a ray meets a surface, in f64.
-pub struct Meeting<'a> {
-    view: &'a SceneView<'a>,
-    triangle: u32,
-    direction: DVec3,
-    from_front: bool,
-    pub x: DVec3,
-    n: DVec3,
-    geometric: DVec3,
-    b: [f64; 2],
-}
-
-impl<'a> Meeting<'a> {
-    /// `None` where the ray meets nothing.
-    pub fn new(view: &'a SceneView<'a>, o: DVec3, d: DVec3, triangle: u32) -> Option<Self> {
-        if triangle == NO_TRIANGLE {
-            return None;
-        }
-        let geometry = view.geometry;
-        let [p, q, r] = geometry.triangles[triangle as usize]
-            .map(|v| geometry.positions[v as usize].as_dvec3());
-        let (e1, e2) = (q - p, r - p);
-        let across = d.cross(e2);
-        let s = o - p;
-        let inverse = 1.0 / e1.dot(across);
-        let b = [s.dot(across) * inverse, d.dot(s.cross(e1)) * inverse];
-        let geometric = e1.cross(e2).normalize();
-        let mut n = geometric;
-        if is_shaded(geometry, triangle) {
-            let [n0, n1, n2] = vertex_normals(geometry, triangle);
-            n = (n0 * (1.0 - b[0] - b[1]) + n1 * b[0] + n2 * b[1]).normalize();
-        }
-        let side = -geometric.dot(d).signum();
-        let facing = side * n.dot(geometric).signum();
-        n *= facing;
-        if is_shaded(geometry, triangle) {
-            n = dvec3(consistent_normal(vector(n), vector(d)));
-        }
-        Some(Self {
-            view,
-            triangle,
-            direction: d,
-            from_front: facing > 0.0,
-            x: p + e1 * b[0] + e2 * b[1],
-            n,
-            geometric,
-            b,
-        })
-    }
-
-    /// The materials that are met, if they are several.
-    fn parts(&self) -> &[Part] {
-        self.view.materials.parts(self.material())
-    }
-
-    fn material(&self) -> usize {
-        let mesh = self.view.geometry.mesh_of_triangle[self.triangle as usize] as usize;
-        self.view.scene.meshes[mesh].material
-    }
-
-    fn entry(&self, part: u16) -> &Entry {
-        let materials = self.view.materials;
-        materials.entry_of_part(self.material(), part)
-    }
-
-    /// What kind it is on this side.
-    fn kinds(&self, part: u16) -> Kinds {
-        let entry = self.entry(part);
-        let mut kinds = entry.kinds;
-        if !self.from_front && !entry.two_sided && (kinds.dielectric | kinds.null) == 0 {
-            kinds = Kinds {
-                black: 1,
-                ..Kinds::default()
-            };
-        }
-        if !self.from_front && kinds.dielectric != 0 && kinds.thin == 0 {
-            kinds.inside = u32::MAX;
-        }
-        kinds
-    }
-
-    /// Whether a chain goes on from here.
-    pub fn is_smooth(&self) -> bool {
-        let is_seen_in = |part: u16| self.kinds(part).in_chains() != 0;
-        match self.parts().len() {
-            0 => is_seen_in(0),
-            count => (0..count as u16).any(is_seen_in),
-        }
-    }
-
-    /// Calls `each` with what may become of the ray, and about the chance of it; these add up to
-    /// less than one where light is scattered otherwise, too. A mean over places is taken of
-    /// chances, so they need not be those with which paths choose.
-    pub fn for_each_turn(&self, mut each: impl FnMut(Turn, f64)) {
-        let mut of_part = |part: u16, met: f64| {
-            for (bend, chance) in self.bends(part).into_iter().flatten() {
-                each(Turn { part, bend }, met * chance);
-            }
-        };
-        if self.parts().is_empty() {
-            of_part(0, 1.0);
-        }
-        for (number, part) in self.parts().iter().enumerate() {
-            if part.is_there {
-                // Between the rays a mixture may be another, of which they see nothing.
-                let fraction = self.fraction(number as u16);
-                of_part(number as u16, fraction.max(LEAST_CHANCE));
-            }
-        }
-    }
-
-    /// What one of the materials may do with it, with the chance of each.
-    fn bends(&self, part: u16) -> [Option<(Bend, f64)>; 2] {
-        let kinds = self.kinds(part);
-        if kinds.in_chains() == 0 {
-            return [None; 2];
-        }
-        if kinds.null != 0 {
-            return [Some((Bend::Straight, 1.0)), None];
-        }
-        if kinds.conductor != 0 {
-            return [Some((Bend::Reflected, 1.0)), None];
-        }
-        let onward = if kinds.thin != 0 {
-            Bend::Straight
-        } else {
-            Bend::Refracted
-        };
-        let weight = |bend| {
-            self.scattered(part, bend)
-                .map_or(0.0, |(_, w)| w.max_element())
-        };
-        let reflected = weight(Bend::Reflected);
-        let other = if kinds.dielectric != 0 {
-            weight(onward)
-        } else {
-            // A plastic's diffuse part.
-            1.0 - reflected
-        };
-        let sum = (reflected + other).max(1e-9);
-        let [a, b] = [reflected, other].map(|w| w / sum);
-        if kinds.plastic != 0 {
-            return [Some((Bend::Reflected, a.max(LEAST_CHANCE))), None];
-        }
-        [Some((Bend::Reflected, a)), Some((onward, b))]
-    }
-
-    /// The unit direction in which it goes on, and what the radiance from there is multiplied with;
-    /// `None` where nothing does so.
-    pub fn bent(&self, turn: Turn) -> Option<(DVec3, DVec3)> {
-        let (next, weight) = self.scattered(turn.part, turn.bend)?;
-        Some((next, weight * self.fraction(turn.part)))
-    }
-
-    /// The same if all of the surface were that material.
-    fn scattered(&self, part: u16, bend: Bend) -> Option<(DVec3, DVec3)> {
-        let kinds = self.kinds(part);
-        let does = match bend {
-            Bend::Reflected => kinds.conductor | kinds.dielectric | kinds.plastic,
-            Bend::Refracted => kinds.dielectric & !kinds.thin,
-            Bend::Straight => kinds.null | kinds.thin,
-        };
-        if does == 0 || kinds.in_chains() == 0 {
-            return None;
-        }
-        let lobes = LobeMasks {
-            is_diffuse: false,
-            is_reflected: bend == Bend::Reflected,
-            // The kernel knows what a pane lets through as refracted.
-            is_refracted: bend == Bend::Refracted || (bend == Bend::Straight && kinds.thin != 0),
-            is_coat: false,
-        };
-        let (next, weight) = bsdf_sample::<f64>(
-            vector(self.n),
-            vector(self.direction),
-            vector(DVec3::Z),
-            self.interface(part),
-            RoughTransmission::none(),
-            lobes,
-            kinds.masks_of_lane(0),
-        );
-        let (next, weight) = (dvec3(next), dvec3(weight));
-        let passes = bend != Bend::Refracted || weight != DVec3::ZERO;
-        (passes && next.is_finite() && weight.is_finite()).then_some((next, weight))
-    }
-
-    /// Whether a ray that goes on along `direction` starts on the other side of the triangle's plane
-    /// than it should: shading normals send it there.
-    pub fn leaks(&self, bend: Bend, direction: DVec3) -> bool {
-        let goes_through = self.geometric.dot(direction) * self.geometric.dot(self.direction) > 0.0;
-        match bend {
-            Bend::Reflected => goes_through,
-            Bend::Refracted => !goes_through,
-            Bend::Straight => false,
-        }
-    }
-
-    /// As it stands in a chain.
-    pub fn vertex(&self, turn: Turn) -> ChainVertex {
-        ChainVertex {
-            triangle: self.triangle,
-            turn,
-            from_front: self.from_front,
-        }
-    }
-
-    /// From where a ray starts that goes on along `direction`, as `rays::leave` has it.
-    pub fn leave(&self, direction: DVec3) -> DVec3 {
-        let step = f64::from(OFFSET) * self.view.geometry.room(self.x);
-        self.x + self.geometric * (step * self.geometric.dot(direction).signum())
-    }
-
-    /// How much of the surface is that material here.
-    fn fraction(&self, part: u16) -> f64 {
-        let value = |f: &Fraction| f64::from(f.value(&self.look_up(f.texture)));
-        let part = self.parts().get(usize::from(part));
-        part.map_or(1.0, |part| part.fractions.iter().map(value).product())
-    }
-
-    fn look_up(&self, texture: usize) -> Lookup {
-        let b = self.b.map(|b| b as f32);
-        texture_at(
-            self.view.scene,
-            self.view.geometry,
-            texture,
-            self.triangle,
-            b,
-        )
-        .0
-    }
-
-    fn interface(&self, part: u16) -> Interface<f64> {
-        let mut slots = [Vec3::ZERO; SLOTS];
-        slots[ETA] = Vec3::splat(1.5);
-        for &(slot, texture) in &self.entry(part).slots {
-            if slot < SLOTS {
-                slots[slot] = self.look_up(texture).value;
-            }
-        }
-        let [reflectance, second_reflectance, eta, k, alpha] = slots.map(|v| v.as_dvec3());
-        Interface {
-            reflectance: vector(reflectance),
-            second_reflectance: vector(second_reflectance),
-            eta: vector(eta),
-            k: vector(k),
-            alpha: alpha.x,
-        }
-    }
-}
-
-/// Neither way of a chain is chosen more rarely than this where it matters.
-pub const LEAST_CHANCE: f64 = 0.1;

@@ -20,6 +20,8 @@ pub struct Counts {
     pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,
+    /// Places that move where a picture's normal looked away and was turned round.
+    pub turned_round: u64,
     /// Samples of the image left out because they were not finite.
     pub not_finite: u64,
     /// Borders left out because what jumps there was not finite.
@@ -54,6 +56,7 @@ impl std::ops::AddAssign for Counts {
         self.probe += o.probe;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
+        self.turned_round += o.turned_round;
         self.not_finite += o.not_finite;
         self.boundary_not_finite += o.boundary_not_finite;
         self.gradient_not_finite += o.gradient_not_finite;

@@ -125,6 +125,11 @@ impl Geometry {
                 .is_some_and(|p| !p.rulings.is_empty())
     }
 
+    /// Whether a picture turns the normals of a triangle.
+    pub fn has_turned_normals(&self, triangle: u32) -> bool {
+        self.pattern(triangle).is_some_and(|p| p.turns_normals)
+    }
+
     /// The vertices of a triangle in each lane; lanes without one get a harmless unit triangle.
     pub fn corners(&self, triangle: &[u32; LANES]) -> [[u32; 3]; LANES] {
         triangle.map(|t| {

@@ -14,6 +14,9 @@ pub struct Pattern {
     pub of_vertices: bool,
     /// Whether triangles have values, which jump from one to the next.
     pub of_faces: bool,
+    /// Whether any turns normals: about axes along the texture coordinates, which jump where these
+    /// bend.
+    pub turns_normals: bool,
 }
 
 impl Pattern {
@@ -29,21 +32,18 @@ impl Pattern {
         let [of_vertices, of_faces] =
             [Layout::Vertices, Layout::Faces].map(|layout| pictures.contains(&layout));
         let mut rulings: Vec<DVec3> = pictures.iter().flat_map(rulings).collect();
-        for material in scene.parts_of(mesh.material) {
-            if let Some(Relief {
-                texture,
-                bumps: Some(_),
-                ..
-            }) = scene.materials[material].relief
-            {
-                rulings.extend(bends(&scene.textures[texture].layout));
-            }
+        let parts = scene.parts_of(mesh.material).into_iter();
+        let reliefs: Vec<Relief> = parts.filter_map(|m| scene.materials[m].relief).collect();
+        for Relief { texture, .. } in reliefs.iter().filter(|r| r.bumps.is_some()) {
+            rulings.extend(bends(&scene.textures[*texture].layout));
         }
-        (by_uv || of_vertices || of_faces).then_some(Self {
+        let turns_normals = !reliefs.is_empty();
+        (by_uv || of_vertices || of_faces || turns_normals).then_some(Self {
             rulings,
             by_uv,
             of_vertices,
             of_faces,
+            turns_normals,
         })
     }
 }

@@ -39,6 +39,7 @@ mod see_through;
 mod sharp_shadows_seen;
 mod sheets_in_mirrors;
 mod smooth_in_mixtures;
+mod smooth_reliefs;
 mod standard_errors;
 mod transposition;
 mod transposition_ends;

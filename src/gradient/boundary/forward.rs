@@ -10,13 +10,35 @@ use crate::kernels::silhouette::edge_side;
 use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
-use crate::paths::chain::through;
+use crate::paths::chain::{ChainScene, through};
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::splat;
-use crate::scene::{DeltaLightKind, Rgb};
+use crate::paths::surface::relief::Turned;
+use crate::scene::{DeltaLightKind, Relief, Rgb};
 use glam::Vec3;
 
 type D = Dual<f64>;
+
+impl ChainScene<D> for ForwardSweep<'_> {
+    fn point(&self, vertex: u32) -> V3<D> {
+        self.motion.point(self.view.geometry, vertex)
+    }
+
+    fn normal(&self, vertex: u32) -> V3<D> {
+        self.motion.normal(self.view.geometry, vertex)
+    }
+
+    fn eta(&self, texture: usize) -> D {
+        D {
+            value: f64::from(self.view.scene.constant(texture)[0]),
+            tangent: f64::from(self.motion.texel(texture)[0]),
+        }
+    }
+
+    fn relief_change(&self, relief: &Relief, turned: &Turned) -> Vec3 {
+        self.motion.relief(relief, turned)
+    }
+}
 
 impl ForwardSweep<'_> {
     /// What a boundary sample of a vertex brings: its weight times Ḟ.
@@ -93,12 +115,7 @@ impl ForwardSweep<'_> {
     fn weighed(&self, found: &Found, sample: &BoundarySample, ray: (V3<D>, V3<D>)) -> Rgb {
         let view = self.view;
         let point = |v| self.motion.point(view.geometry, v);
-        let normal = |v| self.motion.normal(view.geometry, v);
-        let eta = |texture| D {
-            value: f64::from(view.scene.constant(texture)[0]),
-            tangent: f64::from(self.motion.texel(texture)[0]),
-        };
-        let (x, direction) = through(view, found.chain(sample), ray, point, normal, eta);
+        let (x, direction) = through(view, found.chain(sample), ray, self);
         let (x, direction) = match &sample.shadow {
             Some(shadow) => self.toward_delta_light(shadow, x, direction),
             None => (x, direction),

@@ -20,9 +20,9 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::layers::{numbers, of_numbers, tangent};
-use crate::paths::surface::relief::{by_uv, local};
+use crate::paths::surface::relief::{Turned, by_uv, local};
 use crate::paths::surface::texture::Lookup;
-use crate::scene::{Lens, Rgb};
+use crate::scene::{Lens, Relief, Rgb};
 
 pub(crate) type D = Dual<Lane>;
 
@@ -266,15 +266,8 @@ impl<'a> ForwardSweep<'a> {
         let Some(maps) = self.view.relief_maps(vertices, value) else {
             return n;
         };
-        let change = |t: usize, found: &Lookup| self.motion.texture(t, found);
-        let mixed = |t: usize, texels: &[u32; 4], weights: &[f32; 4]| {
-            let moved = self.motion.texels[t].as_ref();
-            moved.map_or(0.0, |moved| {
-                let parts = texels.iter().zip(weights);
-                parts.map(|(&t, w)| moved[t as usize][0] * w).sum()
-            })
-        };
-        let [map, rises] = self.view.relief_change(vertices, value, db, change, mixed);
+        let change = |relief: &Relief, turned: &Turned| self.motion.relief(relief, turned);
+        let [map, rises] = self.view.relief_change(vertices, value, db, change);
         let slopes = maps.slopes.map(|of| of.map(constant));
         let [du, dv] = by_uv(corners, slopes);
         let pictures = [dual_vector(maps.map, map), dual_vector(maps.rises, rises)];

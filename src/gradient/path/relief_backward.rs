@@ -7,6 +7,7 @@ use crate::gradient::scene::backward::TileSums;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::surface::relief::{ReliefMaps, Turned, by_uv, local};
+use crate::scene::Relief;
 use glam::Vec3;
 
 /// Cotangents of what a turned normal is made of.
@@ -76,34 +77,42 @@ impl BackwardSweep<'_> {
         sums: &mut TileSums,
     ) -> [Lane; 2] {
         let mut b_bar = [[0.0; LANES]; 2];
-        let view = self.view;
-        view.for_each_relief(
-            here.vertices,
-            here.b,
-            |lane, relief, turned, along| match turned {
-                Turned::Map(found) => {
-                    let bar = lane_of(map_bar, lane) * 2.0;
-                    sums.add_texture(self.wanted, relief.texture, &found, bar);
-                    let slides = found.by_uv.map(|by| by.dot(bar));
-                    for (sum, along) in b_bar.iter_mut().zip(along) {
-                        sum[lane] += slides[0] * along.x + slides[1] * along.y;
-                    }
+        self.view
+            .for_each_relief(here.vertices, here.b, |lane, relief, turned| {
+                let bar = match turned {
+                    Turned::Map(..) => lane_of(map_bar, lane),
+                    Turned::Bumps(..) => lane_of(rises_bar, lane),
+                };
+                let slides = self.relief_picture(relief, &turned, bar, sums);
+                for (sum, bar) in b_bar.iter_mut().zip(slides) {
+                    sum[lane] += bar;
                 }
-                Turned::Bumps(rise) => {
-                    let bar = lane_of(rises_bar, lane) * relief.bumps.unwrap_or(1.0);
-                    for i in 0..2 {
-                        for (&texel, weight) in rise.texels.iter().zip(rise.by_texels[i]) {
-                            let value = Vec3::X * (bar[i] * weight);
-                            sums.add_texel(self.wanted, relief.texture, texel, value);
-                        }
-                        let [by_u, by_v] = rise.bends[i];
-                        for (sum, along) in b_bar.iter_mut().zip(along) {
-                            sum[lane] += bar[i] * (by_u * along.x + by_v * along.y);
-                        }
-                    }
-                }
-            },
-        );
+            });
         b_bar.map(Lane::new)
+    }
+
+    /// The same of one relief, from the cotangent of its direction or of its rises.
+    pub(crate) fn relief_picture(
+        &self,
+        relief: &Relief,
+        turned: &Turned,
+        bar: Vec3,
+        sums: &mut TileSums,
+    ) -> [f32; 2] {
+        match turned {
+            Turned::Map(found, _) => {
+                sums.add_texture(self.wanted, relief.texture, found, bar * 2.0);
+            }
+            Turned::Bumps(rise, _) => {
+                let bar = bar * relief.bumps.unwrap_or(1.0);
+                for (i, weights) in rise.by_texels.iter().enumerate() {
+                    for (&texel, weight) in rise.texels.iter().zip(weights) {
+                        let value = Vec3::X * (bar[i] * weight);
+                        sums.add_texel(self.wanted, relief.texture, texel, value);
+                    }
+                }
+            }
+        }
+        turned.slopes(relief).map(|by| by.dot(bar))
     }
 }

@@ -4,9 +4,10 @@
 use crate::lanes::{Dual, LANES, Lane, Real, V3};
 use crate::paths::environment::map;
 use crate::paths::rays::{from_lanes, lane_of, splat};
+use crate::paths::surface::relief::Turned;
 use crate::paths::surface::texture::Lookup;
 use crate::scene::{
-    CameraDifferential, Environment, EnvironmentDifferential, Rgb, Scene, SceneDifferential,
+    CameraDifferential, Environment, EnvironmentDifferential, Relief, Rgb, Scene, SceneDifferential,
 };
 use crate::trace::geometry::{Geometry, NO_TRIANGLE, gather};
 use glam::{DVec3, Vec3};
@@ -84,6 +85,23 @@ impl Motion {
         let mixed = self.texels[texture].as_ref();
         let moved = self.to_uv[texture].as_ref();
         mixed.map_or(Vec3::ZERO, |t| found.mix(t)) + moved.map_or(Vec3::ZERO, |m| found.moved(m))
+    }
+
+    /// How what turns normals changes where a relief is looked up: the direction, or the rises.
+    pub fn relief(&self, relief: &Relief, turned: &Turned) -> Vec3 {
+        match turned {
+            Turned::Map(found, _) => self.texture(relief.texture, found) * 2.0,
+            Turned::Bumps(rise, _) => {
+                let Some(texels) = &self.texels[relief.texture] else {
+                    return Vec3::ZERO;
+                };
+                let [x, y] = rise.by_texels.map(|weights| {
+                    let parts = rise.texels.iter().zip(weights);
+                    parts.map(|(&t, w)| texels[t as usize][0] * w).sum()
+                });
+                Vec3::new(x, y, 0.0) * relief.bumps.unwrap_or(1.0)
+            }
+        }
     }
 
     /// How the colour of a constant texture changes.

@@ -7,7 +7,7 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
 use crate::paths::surface::interface::texture_at;
 use crate::paths::surface::texture::{Lookup, Rise, rise};
-use crate::scene::{Layout, Relief};
+use crate::scene::Relief;
 use glam::{Vec2, Vec3};
 
 /// How the derivatives of the position by u and by v are made of the edges from the first vertex to
@@ -27,20 +27,36 @@ pub struct ReliefMaps {
     pub slopes: Slopes,
 }
 
-/// One texture of a lane's relief.
+/// The picture of a relief at a place.
 pub enum Turned {
-    Map(Lookup),
-    Bumps(Rise),
+    /// And its slopes along the barycentrics of the second and third vertex.
+    Map(Lookup, [Vec3; 2]),
+    /// And the directions of the texture coordinates along these.
+    Bumps(Rise, [Vec2; 2]),
+}
+
+impl Turned {
+    /// The slopes of what it turns normals by, along barycentrics: of the direction, or of the rises.
+    pub fn slopes(&self, relief: &Relief) -> [Vec3; 2] {
+        match self {
+            Turned::Map(_, slopes) => slopes.map(|s| s * 2.0),
+            Turned::Bumps(rise, along) => along.map(|along| {
+                let [x, y] = rise
+                    .bends
+                    .map(|[by_u, by_v]| by_u * along.x + by_v * along.y);
+                Vec3::new(x, y, 0.0) * relief.bumps.unwrap_or(1.0)
+            }),
+        }
+    }
 }
 
 impl SceneView<'_> {
-    /// Calls `each` with the relief of every lane that has one, its texture at barycentrics `b`,
-    /// and the directions of the texture coordinates along these.
+    /// Calls `each` with the relief of every lane that has one, and its picture at barycentrics `b`.
     pub fn for_each_relief(
         &self,
         vertices: &Vertices,
         b: [Lane; 2],
-        mut each: impl FnMut(usize, &Relief, Turned, [Vec2; 2]),
+        mut each: impl FnMut(usize, &Relief, Turned),
     ) {
         let b = b.map(Lane::to_array);
         let lanes = vertices.kinds.relief;
@@ -49,25 +65,37 @@ impl SceneView<'_> {
                 continue;
             };
             let at = [b[0][lane], b[1][lane]];
-            let triangle = vertices.triangle[lane];
-            let (scene, geometry) = (self.scene, self.geometry);
-            let texture = &scene.textures[relief.texture];
-            let is_flat = matches!(
-                texture.layout,
-                Layout::Constant | Layout::Vertices | Layout::Faces
+            each(
+                lane,
+                relief,
+                self.relief_at(relief, vertices.triangle[lane], at),
             );
-            let [p, q, r] = geometry.triangles[triangle as usize].map(|v| {
-                let uv = geometry.uvs.get(v as usize);
-                uv.copied().filter(|_| !is_flat).unwrap_or(Vec2::ZERO)
-            });
-            let along = [q - p, r - p];
-            let turned = if relief.bumps.is_some() {
-                Turned::Bumps(rise(texture, p + along[0] * at[0] + along[1] * at[1]))
-            } else {
-                Turned::Map(texture_at(scene, geometry, relief.texture, triangle, at).0)
-            };
-            each(lane, relief, turned, along);
         }
+    }
+
+    /// The picture of a relief at barycentrics `b` of a triangle.
+    pub fn relief_at(&self, relief: &Relief, triangle: u32, b: [f32; 2]) -> Turned {
+        let (scene, geometry) = (self.scene, self.geometry);
+        if relief.bumps.is_none() {
+            let (found, slopes) = texture_at(scene, geometry, relief.texture, triangle, b);
+            return Turned::Map(found, slopes);
+        }
+        let [p, q, r] = self.texture_coordinates(triangle);
+        let along = [q - p, r - p];
+        let uv = p + along[0] * b[0] + along[1] * b[1];
+        Turned::Bumps(rise(&scene.textures[relief.texture], uv), along)
+    }
+
+    /// Texture coordinates of a triangle's vertices; zero where there are none.
+    pub fn texture_coordinates(&self, triangle: u32) -> [Vec2; 3] {
+        let uv = |v: u32| {
+            self.geometry
+                .uvs
+                .get(v as usize)
+                .copied()
+                .unwrap_or_default()
+        };
+        self.geometry.triangles[triangle as usize].map(uv)
     }
 
     /// What turns the normals of a packet; `None` if nothing does.
@@ -80,21 +108,17 @@ impl SceneView<'_> {
         let mut rises = [Vec3::ZERO; LANES];
         let mut signs = [[1.0; LANES]; 2];
         let mut bumps = 0;
-        self.for_each_relief(vertices, b, |lane, relief, turned, _| {
+        self.for_each_relief(vertices, b, |lane, relief, turned| {
             match turned {
-                Turned::Map(found) => map[lane] = found.value * 2.0 - 1.0,
-                Turned::Bumps(rise) => {
+                Turned::Map(found, _) => map[lane] = found.value * 2.0 - 1.0,
+                Turned::Bumps(rise, _) => {
                     bumps |= 1 << lane;
                     let scale = relief.bumps.unwrap_or(1.0);
                     rises[lane] = Vec3::new(rise.by_uv[0], rise.by_uv[1], 0.0) * scale;
                 }
             }
-            let side = if relief.is_mirrored {
-                1.0
-            } else {
-                facing[lane]
-            };
-            (signs[0][lane], signs[1][lane]) = (side, side * facing[lane]);
+            let [along, across] = sides(relief, facing[lane]);
+            (signs[0][lane], signs[1][lane]) = (along, across);
         });
         Some(ReliefMaps {
             bumps,
@@ -105,37 +129,25 @@ impl SceneView<'_> {
         })
     }
 
-    /// The change of [`ReliefMaps::map`] and [`ReliefMaps::rises`] as textures change and the
-    /// barycentrics by `db`: `change(texture, texels, weights)`.
+    /// The change of [`ReliefMaps::map`] and [`ReliefMaps::rises`] as pictures change (`change`) and
+    /// the barycentrics by `db`.
     pub fn relief_change(
         &self,
         vertices: &Vertices,
         b: [Lane; 2],
         db: [Lane; 2],
-        change: impl Fn(usize, &Lookup) -> Vec3,
-        mixed: impl Fn(usize, &[u32; 4], &[f32; 4]) -> f32,
+        change: impl Fn(&Relief, &Turned) -> Vec3,
     ) -> [V3<Lane>; 2] {
         let db = db.map(Lane::to_array);
         let mut map = [Vec3::ZERO; LANES];
         let mut rises = [Vec3::ZERO; LANES];
-        self.for_each_relief(vertices, b, |lane, relief, turned, along| {
-            let moved = along[0] * db[0][lane] + along[1] * db[1][lane];
+        self.for_each_relief(vertices, b, |lane, relief, turned| {
+            let [by_b1, by_b2] = turned.slopes(relief);
+            let slides = by_b1 * db[0][lane] + by_b2 * db[1][lane];
+            let changed = change(relief, &turned) + slides;
             match turned {
-                Turned::Map(found) => {
-                    let [by_u, by_v] = found.by_uv;
-                    let slides = by_u * moved.x + by_v * moved.y;
-                    map[lane] = (change(relief.texture, &found) + slides) * 2.0;
-                }
-                Turned::Bumps(rise) => {
-                    let scale = relief.bumps.unwrap_or(1.0);
-                    let of = |i: usize| {
-                        let [by_u, by_v] = rise.bends[i];
-                        mixed(relief.texture, &rise.texels, &rise.by_texels[i])
-                            + by_u * moved.x
-                            + by_v * moved.y
-                    };
-                    rises[lane] = Vec3::new(of(0), of(1), 0.0) * scale;
-                }
+                Turned::Map(..) => map[lane] = changed,
+                Turned::Bumps(..) => rises[lane] = changed,
             }
         });
         [from_lanes(&map), from_lanes(&rises)]
@@ -146,24 +158,37 @@ impl SceneView<'_> {
         let mut parts = [[[1.0; LANES], [0.0; LANES]], [[0.0; LANES], [1.0; LANES]]];
         let lanes = vertices.kinds.relief;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
-            let triangle = vertices.triangle[lane] as usize;
-            let mesh = self.geometry.mesh_of_triangle[triangle] as usize;
-            if self.scene.meshes[mesh].uvs.is_empty() {
-                continue;
-            }
-            let [p, q, r] =
-                self.geometry.triangles[triangle].map(|v| self.geometry.uvs[v as usize]);
-            let (first, second) = (q - p, r - p);
-            let area = first.perp_dot(second);
-            if area != 0.0 {
-                parts[0][0][lane] = second.y / area;
-                parts[0][1][lane] = -first.y / area;
-                parts[1][0][lane] = -second.x / area;
-                parts[1][1][lane] = first.x / area;
+            let of_lane = self.uv_slopes_of(vertices.triangle[lane]);
+            for (part, slope) in parts.iter_mut().flatten().zip(of_lane.as_flattened()) {
+                part[lane] = *slope;
             }
         }
         parts.map(|of| of.map(Lane::new))
     }
+
+    /// The same of one triangle.
+    pub fn uv_slopes_of(&self, triangle: u32) -> [[f32; 2]; 2] {
+        let barycentric = [[1.0, 0.0], [0.0, 1.0]];
+        let geometry = self.geometry;
+        let mesh = geometry.mesh_of_triangle[triangle as usize] as usize;
+        if self.scene.meshes[mesh].uvs.is_empty() {
+            return barycentric;
+        }
+        let [p, q, r] = geometry.triangles[triangle as usize].map(|v| geometry.uvs[v as usize]);
+        let (first, second) = (q - p, r - p);
+        let area = first.perp_dot(second);
+        if area == 0.0 {
+            return barycentric;
+        }
+        [[second.y, -first.y], [-second.x, first.x]].map(|of| of.map(|x| x / area))
+    }
+}
+
+/// What the parts of a relief's direction along the grain and across it are multiplied with where it
+/// is seen from this side.
+pub fn sides(relief: &Relief, facing: f32) -> [f32; 2] {
+    let side = if relief.is_mirrored { 1.0 } else { facing };
+    [side, side * facing]
 }
 
 /// The derivatives of the position by the two texture coordinates.
@@ -196,6 +221,28 @@ pub fn turned(
     let local = local((n, vertices.facing), [du, dv], map, bumps, maps.signs);
     let turned = relief_normal(n, du, vertices.direction, local);
     V3::select(lane_mask(vertices.kinds.relief), turned, n)
+}
+
+impl SceneView<'_> {
+    /// The lanes whose turned normals would look away from the ray that arrives, and have been turned
+    /// round: nobody follows the border of where that happens.
+    pub fn turned_round(&self, vertices: &Vertices, b: [Lane; 2], n: V3<Lane>) -> u32 {
+        let Some(maps) = self.relief_maps(vertices, b) else {
+            return 0;
+        };
+        let corners = self.geometry.corners(&vertices.triangle);
+        let corners = self.geometry.gather_positions(&corners);
+        let seen_from_above = Vertices {
+            direction: -n,
+            ..vertices.clone()
+        };
+        let turned = turned(&seen_from_above, n, corners, &maps);
+        let away = turned.dot(vertices.direction).to_array();
+        let lanes = vertices.kinds.relief;
+        (0..LANES)
+            .filter(|&l| lanes >> l & 1 == 1 && away[l] >= 0.0)
+            .fold(0, |bits, l| bits | 1 << l)
+    }
 }
 
 /// What lanes with a relief do not hide of themselves, toward `w`; one in others.

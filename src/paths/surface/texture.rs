@@ -1,7 +1,7 @@
 //! What a texture is at a point, and how that changes with its texels and with the point.
 
 use crate::scene::{Layout, Rgb, Texture, Wrap};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// Texels that a point mixes, and the slopes over texture coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -108,6 +108,56 @@ pub fn lookup(texture: &Texture, uv: Vec2) -> Lookup {
                 uv,
             }
         }
+    }
+}
+
+/// Texels that a point mixes, in double precision.
+#[derive(Clone, Copy, Debug)]
+pub struct Mix {
+    pub texels: [u32; 4],
+    pub weights: [f64; 4],
+    /// The slopes of the weights along u and v as the mesh has them.
+    pub by_uv: [[f64; 4]; 2],
+}
+
+/// The same as [`lookup`] does, for those who look at places that single precision does not tell
+/// apart.
+pub fn mix(texture: &Texture, uv: DVec2) -> Mix {
+    let one = |texel| Mix {
+        texels: [texel; 4],
+        weights: [1.0, 0.0, 0.0, 0.0],
+        by_uv: [[0.0; 4]; 2],
+    };
+    let Layout::Bitmap {
+        width,
+        height,
+        wrap,
+        bilinear,
+        to_uv,
+    } = texture.layout
+    else {
+        return one(lookup(texture, uv.as_vec2()).texels[0]);
+    };
+    let [x_axis, y_axis] = [to_uv.matrix2.x_axis, to_uv.matrix2.y_axis].map(|a| a.as_dvec2());
+    let at = x_axis * uv.x + y_axis * uv.y + to_uv.translation.as_dvec2();
+    let scale = DVec2::new(f64::from(width), f64::from(height));
+    let at = at * scale - if bilinear { 0.5 } else { 0.0 };
+    let low = at.floor();
+    let [x, y] = [low.x as i64, low.y as i64];
+    let index =
+        |dx: i64, dy: i64| wrapped(x + dx, width, wrap) + wrapped(y + dy, height, wrap) * width;
+    if !bilinear {
+        return one(index(0, 0));
+    }
+    let DVec2 { x: s, y: t } = at - low;
+    let by_x = [t - 1.0, 1.0 - t, -t, t].map(|w| w * scale.x);
+    let by_y = [s - 1.0, -s, 1.0 - s, s].map(|w| w * scale.y);
+    Mix {
+        texels: [index(0, 0), index(1, 0), index(0, 1), index(1, 1)],
+        weights: [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t],
+        // Along u both coordinates of the picture change, by the first column.
+        by_uv: [x_axis, y_axis]
+            .map(|column| std::array::from_fn(|i| by_x[i] * column.x + by_y[i] * column.y)),
     }
 }
 

@@ -8,6 +8,7 @@ use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::Crossing;
 use crate::discontinuity::pencil::{Between, between};
 use crate::paths::chain_vertex::ChainVertex;
+use crate::paths::scene_view::SceneView;
 
 /// Cuts behind one another that are looked for in one part of an interval.
 const ROUNDS: u32 = 6;
@@ -61,7 +62,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 });
                 continue;
             }
-            let has_lines = !way.bends.is_empty() && view.geometry.has_texture_edges(seen[0]);
+            // On the first surface what searches there finds them, unless they cut what lies behind.
+            let has_lines = view.geometry.has_texture_edges(seen[0])
+                && (!way.bends.is_empty() || bends_otherwise(view, seen[0]));
             if seen[0] == seen[1] && !has_lines {
                 continue;
             }
@@ -146,7 +149,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             if !crossing.is_hidden([0, 1].map(|i| sides[i].triangle)) {
                 let border = self.kept(&crossing, border, count, way);
                 let is_texture = matches!(crossing.boundary, Boundary::TextureEdge { .. });
-                if is_smooth && !is_texture {
+                if is_smooth && (!is_texture || bends_otherwise(view, sides[0].triangle)) {
                     out.cuts.push(Cut {
                         sides,
                         near: Near::None,
@@ -178,4 +181,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             sides: sides.map(|side| (side.origin, side.direction)),
         })
     }
+}
+
+/// Whether rays are bent otherwise beyond a line of a picture on a triangle.
+fn bends_otherwise(view: &SceneView, triangle: u32) -> bool {
+    Followed::is_smooth(view, triangle) && view.geometry.has_turned_normals(triangle)
 }

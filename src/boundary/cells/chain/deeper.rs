@@ -3,8 +3,8 @@
 use super::follow::{FirstRays, Followed};
 use super::search::{ChainSearch, Points, Run, Way};
 use crate::discontinuity::between::HALVINGS;
-use crate::paths::chain::LEAST_CHANCE;
 use crate::paths::chain_vertex::Turn;
+use crate::paths::meeting::LEAST_CHANCE;
 
 /// The chance with which chains go on that are as long as paths which roulette may end. Less than that
 /// of paths: each look along a chain follows all of it anew.

@@ -6,10 +6,11 @@ use crate::discontinuity::pencil::Pencil;
 use crate::kernels::triangle::triangle_point;
 use crate::lanes::{Dual, Real, V3};
 use crate::paths::boundary_sample::Shadow;
-use crate::paths::chain::{Meeting, through};
+use crate::paths::chain::{AtRest, through};
 use crate::paths::chain_vertex::{ChainVertex, Turn};
 use crate::paths::counts::Counts;
 use crate::paths::light::delta::toward;
+use crate::paths::meeting::Meeting;
 use crate::paths::scene_view::SceneView;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::DVec3;
@@ -164,9 +165,7 @@ pub fn normal_through(
         let mut d = constant(d);
         (d.x.tangent, d.y.tangent, d.z.tangent) = axis.into();
         let point = |v: u32| constant(view.geometry.positions[v as usize].as_dvec3());
-        let normal = |v: u32| constant(view.geometry.normals[v as usize].as_dvec3());
-        let eta = |texture: usize| Dual::splat(f64::from(view.scene.constant(texture)[0]));
-        let ray = through(view, chain, (constant(o), d), point, normal, eta);
+        let ray = through(view, chain, (constant(o), d), &AtRest(view));
         let (o, d) = toward_delta_light(view, shadow, ray, point);
         boundary.side(o, d, point).tangent
     };
