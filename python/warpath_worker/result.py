@@ -38,7 +38,8 @@ class Result:
         files = self.line.get("files", {})
         if key not in files:
             there = ", ".join(files) or "none"
-            raise KeyError(f"job {self.id} has no file {key!r}; it has {there}")
+            asked = '; ask for it with outputs=["image.npy"]' if key == "image_npy" else ""
+            raise KeyError(f"job {self.id} has no file {key!r}; it has {there}{asked}")
         return self.folder / str(files[key])
 
     def image(self) -> NDArray[np.float32]:
