@@ -9,7 +9,6 @@
 use crate::discontinuity::adjacency::Across;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
-use crate::discontinuity::walk::FLAT;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
@@ -19,6 +18,9 @@ const MOST_LINES: usize = 4096;
 
 /// What single precision may move a coordinate by.
 const ROUNDING: f64 = 1e-7;
+
+/// Squared part of their length by which rounding may part the axes of two triangles of one plane.
+const SAME_AXES: f64 = 1e-8;
 
 /// The texture edges that an arc crosses on a triangle between two of its parameters, in order.
 /// `points`: its vertices as seen from the arc's origin.
@@ -120,7 +122,7 @@ fn turns_otherwise(geometry: &Geometry, triangles: [u32; 2]) -> bool {
     let [a, b] = triangles.map(|t| by_uv(geometry, t));
     a.into_iter()
         .zip(b)
-        .any(|(a, b)| (a - b).length_squared() > FLAT * a.length_squared())
+        .any(|(a, b)| (a - b).length_squared() > SAME_AXES * a.length_squared())
 }
 
 /// The derivatives of the position by texture coordinates on a triangle, or along two of its edges

@@ -103,7 +103,12 @@ fn what_is_smooth_inside_of_mixtures() {
     taken(&twice, Method::Reparam, "block.translation", &MOVED);
     let turned = close_up().mirror("block").relief("block", None);
     taken(&turned, Method::Reparam, "block.translation", &MOVED);
-    refused_by(&turned, Method::Edges, "block.translation", "perfectly smooth");
+    refused_by(
+        &turned,
+        Method::Edges,
+        "block.translation",
+        "perfectly smooth",
+    );
 }
 
 #[test]
