@@ -54,7 +54,7 @@ fn constant<F: Number>(v: Vec3) -> V3<F> {
 }
 
 /// What a vertex of a chain is made of.
-pub fn entry<'v>(vertex: &ChainVertex, view: &SceneView<'v>) -> &'v Entry {
+fn entry<'v>(vertex: &ChainVertex, view: &SceneView<'v>) -> &'v Entry {
     let mesh = view.geometry.mesh_of_triangle[vertex.triangle as usize] as usize;
     let material = view.scene.meshes[mesh].material;
     view.materials.entry_of_part(material, vertex.turn.part)
@@ -66,6 +66,17 @@ pub fn eta_texture(vertex: &ChainVertex, view: &SceneView) -> Option<usize> {
     let eta = slots.iter().find(|(slot, _)| *slot == ETA);
     eta.filter(|_| vertex.is_refracted())
         .map(|&(_, texture)| texture)
+}
+
+/// The place on a relief at barycentrics `b` of a vertex; `None` where no picture turns its normal.
+pub fn relief_place<'v>(
+    vertex: &ChainVertex,
+    view: &SceneView<'v>,
+    b: [f64; 2],
+) -> Option<ReliefPlace<'v>> {
+    let relief = entry(vertex, view).relief.as_ref()?;
+    let at = (vertex.triangle, b);
+    Some(ReliefPlace::new(relief, view, at, vertex.facing()))
 }
 
 /// Whether a triangle has shading normals of its own.
@@ -100,7 +111,7 @@ pub fn through<F: Number>(
         };
         let facing = F::splat(vertex.facing());
         let (x, n, b1, b2) = smooth_hit(o, d, corners, normals, facing, is_shaded);
-        let n = match ReliefPlace::on(vertex, view, [b1, b2].map(F::value)) {
+        let n = match relief_place(vertex, view, [b1, b2].map(F::value)) {
             None => n,
             Some(place) => {
                 let change = scene.relief_change(place.relief, &place.turned);

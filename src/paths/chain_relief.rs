@@ -5,8 +5,6 @@
 
 use crate::kernels::relief::relief_normal;
 use crate::lanes::{Number, V3};
-use crate::paths::chain::entry;
-use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::scene_view::SceneView;
 use crate::paths::surface::relief::{Turned, by_uv, local, sides};
 use crate::paths::surface::texture::mix;
@@ -28,17 +26,6 @@ pub struct ReliefPlace<'a> {
 }
 
 impl<'a> ReliefPlace<'a> {
-    /// At barycentrics `b` of a chain's vertex; `None` where no picture turns its normal.
-    pub fn on(vertex: &ChainVertex, view: &SceneView<'a>, b: [f64; 2]) -> Option<Self> {
-        let relief = entry(vertex, view).relief.as_ref()?;
-        Some(Self::new(
-            relief,
-            view,
-            (vertex.triangle, b),
-            vertex.facing(),
-        ))
-    }
-
     /// At barycentrics of a triangle that is seen from this side.
     pub fn new(
         relief: &'a Relief,

@@ -118,7 +118,7 @@ impl Integrator<'_> {
             );
             self.view.choose(&mut vertices, &numbers);
             let surface = self.view.surface(&mut vertices);
-            self.count_turned_round(&vertices, &surface, store);
+            surface.count_turned_round(self.view, &vertices, &mut store.counts);
             self.mis_weigh_emission(&mut vertices, &path, store);
             let segments = depth + 2;
             if vertices.hit == 0 || segments > self.view.limits.max_depth {
@@ -152,16 +152,6 @@ impl Integrator<'_> {
                 return;
             }
         }
-    }
-
-    /// Counts what gradients by what moves do not follow.
-    fn count_turned_round(&self, vertices: &Vertices, surface: &Surface, store: &mut TileStore) {
-        if vertices.kinds.relief == 0 || vertices.moves == 0 {
-            return;
-        }
-        let lanes = self.view.turned_round(vertices, surface.b, surface.base_n);
-        store.counts.turned_round +=
-            u64::from((lanes & vertices.moves & vertices.hit).count_ones());
     }
 
     /// Follows the rays to the next vertex.

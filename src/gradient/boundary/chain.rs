@@ -7,7 +7,9 @@ use crate::gradient::path::backward::BackwardSweep;
 use crate::gradient::scene::backward::TileSums;
 use crate::kernels::smooth::smooth_hit;
 use crate::lanes::V3;
-use crate::paths::chain::{AtRest, ChainScene, eta_texture, is_shaded, through, vertex_normals};
+use crate::paths::chain::{
+    AtRest, ChainScene, eta_texture, is_shaded, relief_place, through, vertex_normals,
+};
 use crate::paths::chain_relief::ReliefPlace;
 use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::surface::relief::by_uv;
@@ -63,7 +65,7 @@ impl BackwardSweep<'_> {
         let normals = vertex_normals(geometry, triangle).map(vector);
         let (facing, is_shaded) = (vertex.facing(), is_shaded(geometry, triangle));
         let (_, n, b1, b2) = smooth_hit(o, d, corners, normals, facing, is_shaded);
-        let place = ReliefPlace::on(vertex, view, [b1, b2]);
+        let place = relief_place(vertex, view, [b1, b2]);
         let before = Unturned {
             n,
             direction: d,

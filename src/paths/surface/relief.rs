@@ -2,6 +2,7 @@
 
 use crate::kernels::relief::{bump, relief_normal, relief_shadow};
 use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::counts::Counts;
 use crate::paths::rays::{from_lanes, lane_mask};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
@@ -224,11 +225,22 @@ pub fn turned(
 }
 
 impl SceneView<'_> {
-    /// The lanes whose turned normals would look away from the ray that arrives, and have been turned
-    /// round: nobody follows the border of where that happens.
-    pub fn turned_round(&self, vertices: &Vertices, b: [Lane; 2], n: V3<Lane>) -> u32 {
+    /// Counts the lanes that move and whose turned normals would look away from the ray that arrives:
+    /// they have been turned round, and nobody follows the border of where that happens. `n`: the
+    /// normals before, at barycentrics `b`.
+    pub fn count_turned_round(
+        &self,
+        vertices: &Vertices,
+        b: [Lane; 2],
+        n: V3<Lane>,
+        counts: &mut Counts,
+    ) {
+        let lanes = vertices.kinds.relief & vertices.moves & vertices.hit;
+        if lanes == 0 {
+            return;
+        }
         let Some(maps) = self.relief_maps(vertices, b) else {
-            return 0;
+            return;
         };
         let corners = self.geometry.corners(&vertices.triangle);
         let corners = self.geometry.gather_positions(&corners);
@@ -238,10 +250,8 @@ impl SceneView<'_> {
         };
         let turned = turned(&seen_from_above, n, corners, &maps);
         let away = turned.dot(vertices.direction).to_array();
-        let lanes = vertices.kinds.relief;
-        (0..LANES)
-            .filter(|&l| lanes >> l & 1 == 1 && away[l] >= 0.0)
-            .fold(0, |bits, l| bits | 1 << l)
+        let is_round = |l: &usize| lanes >> l & 1 == 1 && away[*l] >= 0.0;
+        counts.turned_round += (0..LANES).filter(is_round).count() as u64;
     }
 }
 

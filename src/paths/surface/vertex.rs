@@ -5,6 +5,7 @@ use crate::kernels::layered::{Layers, layered_evaluate, layered_sent};
 use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{LANES, Lane, Real, V3};
+use crate::paths::counts::Counts;
 use crate::paths::rays::{lane_mask, lane_of, masked};
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::Vertices;
@@ -39,6 +40,11 @@ impl Surface {
             return value;
         }
         value * shown(vertices, self.base_n, self.n, w)
+    }
+
+    /// Counts where what moves has a relief's normal that was turned round.
+    pub fn count_turned_round(&self, view: &SceneView, vertices: &Vertices, counts: &mut Counts) {
+        view.count_turned_round(vertices, self.b, self.base_n, counts);
     }
 }
 
