@@ -4,7 +4,7 @@ use super::error::EngineError;
 use super::settings::Settings;
 use crate::paths::film::camera::Camera;
 use crate::scene::parameters::{Parameter, tangent};
-use crate::scene::{DeltaLightKind, Scene, SceneDifferential};
+use crate::scene::{DeltaLightKind, Layout, Relief, Scene, SceneDifferential};
 
 /// Pixels that the fastest point moves at the step h.
 const STEP_PIXELS: f64 = 0.1;
@@ -62,11 +62,40 @@ pub fn step(
         let turns = by_turn + leans + by_shift;
         fastest = fastest.max((by_translation + turns) * pixels);
     }
+    fastest = fastest.max(fastest_in_reliefs(scene, &tangent) * pixels);
     Ok(if fastest > 0.0 && fastest.is_finite() {
         STEP_PIXELS / fastest
     } else {
         colour_step(scene, &tangent)
     })
+}
+
+/// By how much what is seen in smooth surfaces turns at most, in radians or so, as pictures change that
+/// turn their normals: a normal by twice what a map changes, and what it reflects by twice that.
+fn fastest_in_reliefs(scene: &Scene, tangent: &SceneDifferential) -> f64 {
+    let smooth = scene.materials.iter().filter(|m| m.bsdf.is_smooth());
+    let reliefs = smooth.filter_map(|m| m.relief);
+    let turns = reliefs.map(|Relief { texture, bumps, .. }| {
+        let picture = &scene.textures[texture];
+        let texels_per_uv = match picture.layout {
+            Layout::Bitmap { width, height, .. } => f64::from(width.max(height)),
+            _ => 1.0,
+        };
+        let largest = |numbers: &mut dyn Iterator<Item = f32>| {
+            f64::from(numbers.fold(0.0f32, |most, x| most.max(x.abs())))
+        };
+        let texels = tangent.texels[texture].iter().flatten().flatten().copied();
+        let change = largest(&mut { texels });
+        let moved = tangent.to_uv[texture].iter().flatten().copied();
+        let beside = picture.texels.windows(2);
+        let differences = beside.flat_map(|pair| [0, 1, 2].map(|i| pair[1][i] - pair[0][i]));
+        let slides = largest(&mut { moved }) * largest(&mut { differences }) * texels_per_uv;
+        match bumps {
+            None => 4.0 * (change + slides),
+            Some(scale) => 2.0 * change * texels_per_uv * f64::from(scale.abs()),
+        }
+    });
+    turns.fold(0.0, f64::max)
 }
 
 /// A step along which no number leaves its limits: a roughness of 0.01 cannot change by 0.02.
