@@ -16,6 +16,7 @@ pub fn job(line: &str) -> Result<Job, Failure> {
     let job: Job = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let path = error.path().to_string();
         let field = match path.as_str() {
+            "." if error.inner().is_syntax() => "not JSON: ".into(),
             "." => String::new(),
             path => format!("{path}: "),
         };

@@ -45,11 +45,54 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .min_by_key(|k| (distance(k), edit_distance(name, k)))
 }
 
-/// `; the nearest known name is "…"`, or nothing.
+/// Whether a name is another one but for a few letters; if it is not, that they are the nearest says
+/// nothing of what is meant.
+pub fn is_mistyped(name: &str, known: &str) -> bool {
+    let [name, known] = [name, known].map(str::to_lowercase);
+    let letters = name.chars().count();
+    let abbreviates = letters >= 3 && known.starts_with(&name);
+    abbreviates || edit_distance(&name, &known) <= (letters / 4).max(1)
+}
+
+/// The known name that was mistyped, if one was.
+pub fn mistyped<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    nearest(name, known).filter(|near| is_mistyped(name, near))
+}
+
+/// `; the nearest known name is "…"` if one was mistyped, or nothing.
 pub fn nearest_hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    match nearest(name, known) {
+    match mistyped(name, known) {
         Some(near) => format!("; the nearest known name is \"{near}\""),
         None => String::new(),
+    }
+}
+
+/// The same, and `; there are …` if none was.
+pub fn known_hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    let near = nearest_hint(name, known.iter().copied());
+    match first_names(known.into_iter().map(String::from)) {
+        Some(names) if near.is_empty() => format!("; there are {names}"),
+        _ => near,
+    }
+}
+
+/// The first of some names, once each, and how many more there are; `None` if there are none.
+pub fn first_names(names: impl IntoIterator<Item = String>) -> Option<String> {
+    const MOST: usize = 16;
+    let mut once: Vec<String> = Vec::new();
+    for name in names {
+        if !once.contains(&name) {
+            once.push(name);
+        }
+    }
+    let more = once.len().saturating_sub(MOST);
+    once.truncate(MOST);
+    let names = once.join(", ");
+    match (once.is_empty(), more) {
+        (true, _) => None,
+        (false, 0) => Some(names),
+        (false, more) => Some(format!("{names} and {more} more")),
     }
 }
 
@@ -85,5 +128,17 @@ mod tests {
         assert_eq!(nearest("PLY", ["cube", "ply"]), Some("ply"));
         assert_eq!(nearest("diag", ["x", "diagonal"]), Some("diagonal"));
         assert_eq!(nearest("x", []), None);
+    }
+
+    #[test]
+    fn tells_a_slip_from_another_name() {
+        let known = ["alpha", "reflectance"];
+        assert_eq!(mistyped("reflectence", known), Some("reflectance"));
+        assert_eq!(mistyped("refl", known), Some("reflectance"));
+        assert_eq!(mistyped("roughness", known), None);
+        assert_eq!(
+            known_hint("roughness", known),
+            "; there are alpha, reflectance"
+        );
     }
 }

@@ -4,7 +4,7 @@
 use crate::scene::data::{Bsdf, Distribution, Microfacets};
 use crate::scene::error::SceneError;
 use crate::scene::iors::IORS;
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use crate::scene::texture::{REFLECTANCE, RELATIVE_IOR, ROUGHNESS, Slots};
 use crate::scene::xml::Object;
 
@@ -99,7 +99,7 @@ fn ior(object: &Object, property: &str, default: &str) -> Result<f64, SceneError
         let what = format!(
             "no material \"{}\" is known{}; or give a number, as in <float name=\"{property}\" value=\"1.5\"/>",
             shown(&name),
-            nearest_hint(&name, IORS.iter().map(|i| i.0))
+            known_hint(&name, IORS.iter().map(|i| i.0))
         );
         object.property_error(property, what)
     })

@@ -4,7 +4,7 @@ use super::interface::{ALPHAS, microfacets};
 use crate::scene::data::Bsdf;
 use crate::scene::error::SceneError;
 use crate::scene::metals::METALS;
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use crate::scene::texture::{METAL_INDEX, REFLECTANCE, Slots};
 use crate::scene::xml::Object;
 
@@ -59,7 +59,7 @@ fn metal(object: &Object, name: &str) -> Result<[[f32; 3]; 2], SceneError> {
         let what = format!(
             "no material \"{}\" is known{}; or give \"eta\" and \"k\"",
             shown(name),
-            nearest_hint(name, names)
+            known_hint(name, names)
         );
         object.property_error("material", what)
     })

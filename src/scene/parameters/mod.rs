@@ -13,6 +13,7 @@ mod target;
 mod tests;
 mod to_uv;
 mod to_world;
+mod unknown_key;
 mod value;
 
 pub use cotangent::{reduce, wanted};
@@ -25,7 +26,7 @@ pub use value::Value;
 
 use super::data::Scene;
 use super::error::SceneError;
-use super::nearest::{nearest, shown};
+use super::nearest::shown;
 use entries::entries;
 use entry::Entry;
 use parameter::not_differentiable;
@@ -57,13 +58,6 @@ pub fn find(scene: &Scene, key: &str) -> Result<Parameter, SceneError> {
     // What can be differentiated is more likely meant.
     let differentiable = entries.iter().filter(|e| e.target.is_some());
     let names = differentiable.flat_map(|e| std::iter::once(&e.key).chain(&e.aliases));
-    Err(SceneError::parameter(
-        match nearest(key, names.map(String::as_str)) {
-            Some(near) => format!(
-                "there is no parameter \"{}\"; the nearest is \"{near}\" (`warpath params` lists all)",
-                shown(key)
-            ),
-            None => format!("there is no parameter \"{}\"", shown(key)),
-        },
-    ))
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    Err(SceneError::parameter(unknown_key::sentence(key, &names)))
 }

@@ -5,7 +5,7 @@ use crate::scene::camera::cannot_stand_inside;
 use crate::scene::data::Texture;
 use crate::scene::error::SceneError;
 use crate::scene::input::{Input, given_twice};
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use crate::scene::xml::{Child, Object};
 
 /// Reads the slots of one object.
@@ -54,7 +54,7 @@ impl<'a> Slots<'_, 'a> {
                 "{} takes no texture \"{}\"{}",
                 self.object.shown(),
                 shown(&child.name),
-                nearest_hint(&child.name, names.iter().copied())
+                known_hint(&child.name, names.iter().copied())
             )
         };
         SceneError::at(&child.place, what)

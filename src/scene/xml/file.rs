@@ -3,7 +3,7 @@
 use super::plugins;
 use super::positions::Positions;
 use crate::scene::error::{Place, SceneError};
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use roxmltree::Node;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,7 +76,7 @@ pub(super) fn utf8(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
 }
 
 pub(super) fn unknown_tag(place: &Place, tag: &str) -> SceneError {
-    let hint = nearest_hint(tag, plugins::all_tags());
+    let hint = known_hint(tag, plugins::all_tags());
     SceneError::at(place, format!("unknown element <{}>{hint}", shown(tag)))
 }
 

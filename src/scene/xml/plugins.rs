@@ -1,7 +1,7 @@
 //! Which plugins are known.
 
 use super::unsupported::instead_of;
-use crate::scene::nearest::{edit_distance, nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 
 /// Elements that make an object, with the plugins that each tag supports.
 const KNOWN: &[(&str, &[&str])] = &[
@@ -120,9 +120,6 @@ pub(super) fn all_tags() -> impl Iterator<Item = &'static str> {
     KNOWN.iter().map(|k| k.0).chain(OTHER_TAGS.iter().copied())
 }
 
-/// Fewer changes than this make a name of another, where it was mistyped.
-const MOST_TYPING_ERRORS: usize = 2;
-
 /// Whether `<tag type="plugin">` can be loaded; the error is a sentence.
 pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     let Some((_, supported)) = KNOWN.iter().find(|k| k.0 == tag) else {
@@ -137,11 +134,6 @@ pub(super) fn check(tag: &str, plugin: &str) -> Result<(), String> {
     if let Some(instead) = instead_of(tag, plugin) {
         return Err(format!("{shown}: {instead}"));
     }
-    // A typing error; another name says nothing of what is meant.
-    let is_near = |known: &&&str| edit_distance(plugin, known) <= MOST_TYPING_ERRORS;
-    let hint = match supported.iter().any(|known| is_near(&known)) || supported.len() < 2 {
-        true => nearest_hint(plugin, supported.iter().copied()),
-        false => format!("; there are {}", supported.join(", ")),
-    };
+    let hint = known_hint(plugin, supported.iter().copied());
     Err(format!("{shown}{hint}"))
 }

@@ -1,7 +1,7 @@
 //! Objects of the scene file with typed properties, which remember whether they were read.
 
 use crate::scene::error::{Place, SceneError};
-use crate::scene::nearest::{nearest, nearest_hint, shown};
+use crate::scene::nearest::{mistyped, nearest_hint, shown};
 use crate::scene::spectrum::{Of, Spectrum};
 use glam::{DAffine3, DVec3};
 use std::cell::Cell;
@@ -296,7 +296,7 @@ impl Object {
         let unread = self.properties.iter().filter(|p| !p.read.get());
         unread
             .map(|p| {
-                let hint = match nearest(&p.name, known.iter().copied()) {
+                let hint = match mistyped(&p.name, known.iter().copied()) {
                     Some(near) if near != p.name => {
                         format!("; the nearest one it reads is \"{near}\"")
                     }

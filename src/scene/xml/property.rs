@@ -5,7 +5,7 @@ use super::properties::Value;
 use super::reader::Reader;
 use super::{transform, values};
 use crate::scene::error::{Place, SceneError};
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use crate::scene::source::read_file;
 use crate::scene::spectrum::Spectrum;
 use glam::DAffine3;
@@ -91,7 +91,7 @@ impl Reader<'_> {
                     let what = format!(
                         "<{}> cannot stand inside <transform>{}",
                         shown(tag),
-                        nearest_hint(tag, known)
+                        known_hint(tag, known)
                     );
                     return Err(SceneError::at(&place, what));
                 }
@@ -139,7 +139,7 @@ impl Reader<'_> {
                     "<{}> has no attribute \"{}\"{}",
                     shown(tag),
                     shown(name),
-                    nearest_hint(name, known)
+                    known_hint(name, known)
                 );
                 return Err(SceneError::at(&place, what));
             }

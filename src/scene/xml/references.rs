@@ -3,7 +3,7 @@
 use super::properties::{Object, Tree};
 use super::reader::{Reader, Reference};
 use crate::scene::error::SceneError;
-use crate::scene::nearest::{nearest_hint, shown};
+use crate::scene::nearest::{known_hint, shown};
 use crate::scene::source::FileSource;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,7 +39,7 @@ impl Reader<'_> {
                 let what = format!(
                     "no object has the id \"{}\"{}",
                     shown(&reference.id),
-                    nearest_hint(&reference.id, self.ids.keys().map(String::as_str))
+                    known_hint(&reference.id, self.ids.keys().map(String::as_str))
                 );
                 return Err(SceneError::at(&reference.place, what));
             };

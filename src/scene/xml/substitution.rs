@@ -1,6 +1,6 @@
 //! `$name` in attribute values, from `<default>` elements and `-D name=value`.
 
-use crate::scene::nearest::{nearest, shown};
+use crate::scene::nearest::{first_names, mistyped, shown};
 use std::collections::BTreeMap;
 
 /// Longest attribute value after substitution: defaults built from defaults double in size each
@@ -73,9 +73,13 @@ impl Substitutions {
     fn unknown(&self, after: &str) -> String {
         let is_name = |c: char| c.is_alphanumeric() || c == '_';
         let name: String = after.chars().take_while(|&c| is_name(c)).collect();
-        let hint = match nearest(&name, self.values.keys().map(String::as_str)) {
+        let names = self.values.keys().map(String::as_str);
+        let hint = match mistyped(&name, names.clone()) {
             Some(near) => format!("the nearest known parameter is ${near}"),
-            None => "the scene declares no parameter".to_string(),
+            None => match first_names(names.map(|name| format!("${name}"))) {
+                Some(names) => format!("there are {names}"),
+                None => "the scene declares no parameter".to_string(),
+            },
         };
         format!(
             "undefined parameter ${}; {hint}; declare it with <default name=\"{0}\" value=\"…\"/> or give -D {0}=…",
@@ -93,10 +97,13 @@ impl Substitutions {
             ));
         }
         let names = self.defaults.iter().map(String::as_str);
-        Some(match nearest(name, names) {
-            Some(near) => {
-                format!("-D {shown}: the scene has no such parameter; the nearest is \"{near}\"")
-            }
+        if let Some(near) = mistyped(name, names.clone()) {
+            return Some(format!(
+                "-D {shown}: the scene has no such parameter; the nearest is \"{near}\""
+            ));
+        }
+        Some(match first_names(names.map(String::from)) {
+            Some(names) => format!("-D {shown}: the scene has no such parameter; it has {names}"),
             None => format!("-D {shown}: the scene declares no parameters"),
         })
     }

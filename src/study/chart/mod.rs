@@ -23,7 +23,19 @@ pub fn colour(place: usize) -> &'static str {
 
 /// A chart as PNG.
 pub fn png(svg: &str) -> Result<Vec<u8>, Failure> {
-    let failed = |what: String| Failure::System(format!("a chart cannot be drawn: {what}"));
+    drawn(svg, DOTS)?.encode_png().map_err(failed)
+}
+
+/// A chart's red, green and blue, a dot for each of its units; it has whole sides.
+pub fn dots(svg: &str) -> Result<Vec<u8>, Failure> {
+    let canvas = drawn(svg, 1.0)?;
+    let opaque = canvas.pixels().iter();
+    Ok(opaque
+        .flat_map(|dot| [dot.red(), dot.green(), dot.blue()])
+        .collect())
+}
+
+fn drawn(svg: &str, dots_per_unit: f32) -> Result<tiny_skia::Pixmap, Failure> {
     // The same letters on every machine.
     let mut fonts = usvg::fontdb::Database::new();
     fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
@@ -32,13 +44,16 @@ pub fn png(svg: &str) -> Result<Vec<u8>, Failure> {
         fontdb: Arc::new(fonts),
         ..usvg::Options::default()
     };
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
-    let [width, height] = [tree.size().width(), tree.size().height()].map(|x| (x * DOTS) as u32);
+    let tree = usvg::Tree::from_str(svg, &options).map_err(failed)?;
+    let sides = [tree.size().width(), tree.size().height()];
+    let [width, height] = sides.map(|x| (x * dots_per_unit) as u32);
     let mut canvas = tiny_skia::Pixmap::new(width, height)
         .ok_or_else(|| failed(format!("{width}x{height} dots are too many")))?;
-    let scale = tiny_skia::Transform::from_scale(DOTS, DOTS);
+    let scale = tiny_skia::Transform::from_scale(dots_per_unit, dots_per_unit);
     resvg::render(&tree, scale, &mut canvas.as_mut());
-    canvas
-        .encode_png()
-        .map_err(|error| failed(error.to_string()))
+    Ok(canvas)
+}
+
+fn failed(what: impl std::fmt::Display) -> Failure {
+    Failure::System(format!("a chart cannot be drawn: {what}"))
 }

@@ -1,6 +1,5 @@
 //! One page with everything in it, for a browser.
 
-use super::grid;
 use crate::study::cell::{Cell, Row};
 use crate::study::chart::svg::escaped;
 use crate::study::config::Plan;
@@ -63,18 +62,12 @@ fn section(panel: &Panel) -> String {
         "" => String::new(),
         text => format!("<p>Expected: {}</p>", escaped(text)),
     };
-    let mut shown = vec!["reference".to_string()];
-    shown.extend(grid::cells(row).iter().map(|cell| {
-        let seconds = cell.times.as_ref().map_or(0.0, |t| t.processor_seconds);
-        format!("{} ({} samples, {seconds:.2} s)", cell.method, cell.spp)
-    }));
-    let caption = format!("From the left, in about equal time: {}", shown.join(", "));
     let lines: Vec<String> = row.cells.iter().map(line).collect();
     format!(
         "<section id=\"{id}\"><h2>{scene} · {direction}</h2>{symptom}\
          <div class=\"pair\"><div>{svg}</div>\
          <figure><img alt=\"Gradient pictures\" src=\"data:image/png;base64,{grid}\">\
-         <figcaption>{caption}</figcaption></figure></div>\
+         <figcaption>In about equal time</figcaption></figure></div>\
          <div class=\"scroll\"><table><tr><th>method</th><th class=\"n\">samples</th>\
          <th class=\"n\">seconds</th><th class=\"n\">rms error</th><th class=\"n\">rms bias</th>\
          <th class=\"n\">coverage</th><th class=\"n\">efficiency</th><th>verdict</th></tr>{lines}\
@@ -83,7 +76,6 @@ fn section(panel: &Panel) -> String {
         scene = escaped(&row.scene),
         direction = escaped(&row.direction),
         grid = STANDARD.encode(grid),
-        caption = escaped(&caption),
         lines = lines.concat(),
     )
 }

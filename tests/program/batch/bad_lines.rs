@@ -17,7 +17,11 @@ fn bad_lines() -> Vec<(String, i32, &'static str)> {
     };
     let set = |rest: &str| job(&format!(r#""mode":"render","set":{{{rest}}}"#));
     vec![
-        ("rubbish".to_string(), 3, "expected value (column 1)"),
+        (
+            "rubbish".to_string(),
+            3,
+            "not JSON: expected value (column 1)",
+        ),
         ("{}".into(), 3, "missing field `id`"),
         (
             r#"["x","render","s.xml"]"#.into(),
