@@ -42,7 +42,9 @@ fn silhouettes() {
     agree(&scene, &[("block.translation", &MOVED)], 64, 0.01);
     agree(&scene, &[("block.rotation", &MOVED)], 64, 0.02);
     agree(&scene, &[("cam.translation", &MOVED)], 64, 0.01);
-    agree(&silhouette(BOX), &[("block.scale", &[1.0])], 256, 0.003);
+    // Straight outlines before even light: with few samples of drawn edges the runs have no noise,
+    // but for a rare one.
+    agree(&silhouette(BOX), &[("block.scale", &[1.0])], 1024, 0.003);
 }
 
 #[test]
