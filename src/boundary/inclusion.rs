@@ -15,7 +15,7 @@
 //! long intervals has P = 1 without any search. Beyond the first and the last border the line is
 //! taken to go on for ever: its two ends are points, too.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Chances below this are taken for it: it bounds the weight of one border.
 const SMALLEST_CHANCE: f64 = 1e-3;
@@ -25,9 +25,9 @@ const ROUNDING: f64 = 1e-9;
 /// What a search between a point in one interval and a point in another comes to.
 #[derive(Clone, Debug, Default)]
 pub struct SearchResult {
-    pub borders: BTreeSet<usize>,
+    pub borders: Vec<usize>,
     /// Intervals within which it looked at what is seen.
-    pub intervals: BTreeSet<usize>,
+    pub intervals: Vec<usize>,
 }
 
 /// The intervals of a line. Number r lies before border r.
@@ -101,40 +101,64 @@ impl Intervals {
 
     /// The probability of finding a border. `search` is asked what is found between two intervals
     /// that are not neighbours.
+    ///
+    /// The other point falls between two of the row with the chances of `extra`, and the border is
+    /// then found from it and that one of them which lies on the border's other side, or else
+    /// from these two. Sums over the intervals in which it falls grow by one as the row's intervals
+    /// are gone through away from the border.
     pub fn inclusion_of_border(
         &self,
         border: usize,
         known: &mut SearchCache,
         search: &mut impl FnMut([usize; 2]) -> SearchResult,
     ) -> f64 {
-        let mut finds = |pair: [usize; 2]| -> bool {
-            pair[1] == pair[0] + 1
+        if self.is_always_found(border) {
+            return 1.0;
+        }
+        let mut finds = |pair: [usize; 2]| -> f64 {
+            let is_found = pair[1] == pair[0] + 1
                 || known
                     .entry(pair)
                     .or_insert_with(|| search(pair))
                     .borders
-                    .contains(&border)
+                    .contains(&border);
+            is_found as u32 as f64
         };
-        if self.is_always_found(border) {
-            return 1.0;
-        }
         let mut chance = 0.0;
-        for ([j, k], overlap) in self.pairs_around([border, border + 1]) {
-            let mut without = 1.0;
-            for between in j + 1..k {
-                let extra = self.extra[between];
-                if extra == 0.0 {
-                    continue;
-                }
-                without -= extra;
-                let part = if between <= border {
-                    [between, k]
-                } else {
-                    [j, between]
-                };
-                chance += overlap * extra * finds(part) as u32 as f64;
+        // Of the intervals after the border: the extra point lies before it, and they find it.
+        let mut from_before = vec![0.0; self.extra.len() - border - 1];
+        // The extra point lies between the border and the interval before it that is looked at.
+        let mut extra_before = 0.0;
+        for j in (0..=border).rev() {
+            let reach = self.ends(j)[1] + 1.0;
+            if reach <= self.ends(border + 1)[0] {
+                break;
             }
-            chance += overlap * without * finds([j, k]) as u32 as f64;
+            let mut from_after = 0.0;
+            let mut extra_after = 0.0;
+            for (before, k) in from_before.iter_mut().zip(border + 1..) {
+                if self.ends(k)[0] >= reach {
+                    break;
+                }
+                let overlap = self.overlap([j, k]);
+                if overlap > 0.0 {
+                    let neither = 1.0 - extra_before - extra_after;
+                    let without = if neither > 0.0 {
+                        neither * finds([j, k])
+                    } else {
+                        0.0
+                    };
+                    chance += overlap * (*before + from_after + without);
+                }
+                if self.extra[k] > 0.0 {
+                    extra_after += self.extra[k];
+                    from_after += self.extra[k] * finds([j, k]);
+                }
+                if self.extra[j] > 0.0 {
+                    *before += self.extra[j] * finds([j, k]);
+                }
+            }
+            extra_before += self.extra[j];
         }
         chance.clamp(SMALLEST_CHANCE, 1.0)
     }
@@ -172,9 +196,9 @@ mod tests {
     fn next_to_closed([j, k]: [usize; 2]) -> SearchResult {
         let mut reach = SearchResult::default();
         match [j % 2, k % 2] {
-            [1, 0] => reach.borders.insert(j),
-            [0, 1] => reach.borders.insert(k - 1),
-            _ => false,
+            [1, 0] => reach.borders.push(j),
+            [0, 1] => reach.borders.push(k - 1),
+            _ => {}
         };
         reach
     }

@@ -6,6 +6,7 @@ use crate::boundary::inclusion::{Intervals, SearchCache, SearchResult};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{HALVINGS, between};
+use std::collections::BTreeMap;
 
 /// A line of rays from one point, with a coordinate.
 pub trait RayLine {
@@ -34,10 +35,8 @@ pub struct Border {
 
 /// The intervals of a line, and what is seen in them.
 pub struct InclusionByWalks<'a, L> {
-    scene: &'a SearchScene<'a>,
-    line: &'a L,
-    borders: Vec<Border>,
     intervals: Intervals,
+    searches: Searches<'a, L>,
     known: SearchCache,
 }
 
@@ -51,50 +50,75 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
     ) -> Self {
         borders.sort_by(|a, b| a.at.total_cmp(&b.at));
         Self {
-            scene,
-            line,
             intervals: intervals(borders.iter().map(|b| b.at).collect()),
-            borders,
+            searches: Searches {
+                scene,
+                line,
+                borders,
+                steps: BTreeMap::new(),
+            },
             known: SearchCache::new(),
         }
-    }
-
-    /// The interval in which a coordinate lies.
-    fn run_of(&self, at: f64) -> usize {
-        self.borders.partition_point(|b| b.at < at)
     }
 
     /// The probability of finding the border `at`, which has been found between the points at
     /// `ends`.
     pub fn inclusion_of_border(&mut self, at: f64, ends: [f64; 2]) -> f64 {
-        let border = self.run_of(at);
-        if self.intervals.is_always_found(border) {
+        let Self {
+            intervals,
+            searches,
+            known,
+        } = self;
+        let border = searches.interval_of(at);
+        if intervals.is_always_found(border) {
             return 1.0;
         }
-        let pair = ends.map(|end| self.run_of(end));
-        let mut known = std::mem::take(&mut self.known);
-        let mut search = |pair| self.search(pair);
+        let pair = ends.map(|end| searches.interval_of(end));
+        let mut search = |pair| searches.between(pair);
         let reach = known.entry(pair).or_insert_with(|| search(pair));
-        reach.borders.insert(border);
-        let chance = self
-            .intervals
-            .inclusion_of_border(border, &mut known, &mut search);
-        self.known = known;
-        chance
+        reach.borders.push(border);
+        intervals.inclusion_of_border(border, known, &mut search)
     }
 
     /// The probability of finding an edge within what is seen at a coordinate.
     pub fn inclusion_of_ridge(&mut self, at: f64) -> f64 {
-        let mut known = std::mem::take(&mut self.known);
-        let mut search = |pair| self.search(pair);
-        let chance = self
-            .intervals
-            .inclusion_within(self.run_of(at), &mut known, &mut search);
-        self.known = known;
-        chance
+        let Self {
+            intervals,
+            searches,
+            known,
+        } = self;
+        let interval = searches.interval_of(at);
+        intervals.inclusion_within(interval, known, &mut |pair| searches.between(pair))
+    }
+}
+
+/// How a search goes on between two intervals.
+#[derive(Clone, Copy)]
+enum Step {
+    /// It finds nothing.
+    Ends,
+    /// It finds the borders between these two intervals, and searches before and after them.
+    Finds([usize; 2]),
+    /// It looks at what is seen in this one, and searches both halves.
+    Halves(usize),
+}
+
+/// What searches between points in these intervals would find.
+struct Searches<'a, L> {
+    scene: &'a SearchScene<'a>,
+    line: &'a L,
+    borders: Vec<Border>,
+    /// By the intervals between which they are made: searches have most of them in common.
+    steps: BTreeMap<[usize; 2], Step>,
+}
+
+impl<L: RayLine> Searches<'_, L> {
+    /// The interval in which a coordinate lies.
+    fn interval_of(&self, at: f64) -> usize {
+        self.borders.partition_point(|b| b.at < at)
     }
 
-    fn search(&self, pair: [usize; 2]) -> SearchResult {
+    fn between(&mut self, pair: [usize; 2]) -> SearchResult {
         let mut reach = SearchResult::default();
         self.look(pair, L::ROUNDS, HALVINGS, &mut reach);
         reach
@@ -102,38 +126,56 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
 
     /// As a search for silhouettes between points in two intervals goes, in the rounds and with the
     /// halvings that are left.
-    fn look(&self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut SearchResult) {
+    fn look(&mut self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut SearchResult) {
         if k <= j || rounds == 0 {
             return;
         }
         if k == j + 1 {
-            reach.borders.insert(j);
+            reach.borders.push(j);
             return;
         }
-        let (first, last) = (self.borders[j], self.borders[k - 1]);
-        let ends @ [from, to] = [first.beside[0], last.beside[1]];
-        let seen = [first.seen[0], last.seen[1]];
-        if from >= to || seen[0] == seen[1] {
-            return;
-        }
-        let arc = self.line.arc(ends);
-        let (geometry, adjacency) = (self.scene.view.geometry, self.scene.adjacency);
-        match between(geometry, adjacency, &arc, seen, None, 0.0) {
-            Ok([None, _]) => {}
-            Ok([Some(crossing), _]) => {
-                let at = self.line.coordinate(&arc, ends, crossing.s);
-                let [before, after] = [at - L::ROUNDING, at + L::ROUNDING].map(|p| self.run_of(p));
+        let step = match self.steps.get(&[j, k]) {
+            Some(&step) => step,
+            None => {
+                let step = self.step([j, k]);
+                self.steps.insert([j, k], step);
+                step
+            }
+        };
+        match step {
+            Step::Ends => {}
+            Step::Finds([before, after]) => {
                 reach.borders.extend(before..after);
                 self.look([j, before], rounds - 1, HALVINGS, reach);
                 self.look([after, k], rounds - 1, HALVINGS, reach);
             }
-            Err(_) if halvings == 0 => {}
-            Err(_) => {
-                let middle = self.run_of(0.5 * (from + to));
-                reach.intervals.insert(middle);
+            Step::Halves(_) if halvings == 0 => {}
+            Step::Halves(middle) => {
+                reach.intervals.push(middle);
                 self.look([j, middle], rounds, halvings - 1, reach);
                 self.look([middle, k], rounds, halvings - 1, reach);
             }
+        }
+    }
+
+    /// The first step between two intervals that are not neighbours.
+    fn step(&self, [j, k]: [usize; 2]) -> Step {
+        let (first, last) = (self.borders[j], self.borders[k - 1]);
+        let ends @ [from, to] = [first.beside[0], last.beside[1]];
+        let seen = [first.seen[0], last.seen[1]];
+        if from >= to || seen[0] == seen[1] {
+            return Step::Ends;
+        }
+        let arc = self.line.arc(ends);
+        let (geometry, adjacency) = (self.scene.view.geometry, self.scene.adjacency);
+        match between(geometry, adjacency, &arc, seen, None, 0.0) {
+            Ok([None, _]) => Step::Ends,
+            Ok([Some(crossing), _]) => {
+                let at = self.line.coordinate(&arc, ends, crossing.s);
+                let sides = [at - L::ROUNDING, at + L::ROUNDING];
+                Step::Finds(sides.map(|p| self.interval_of(p)))
+            }
+            Err(_) => Step::Halves(self.interval_of(0.5 * (from + to))),
         }
     }
 }
