@@ -15,20 +15,10 @@
 //! long intervals has P = 1 without any search. Beyond the first and the last border the line is
 //! taken to go on for ever: its two ends are points, too.
 
-use std::collections::BTreeMap;
-
 /// Chances below this are taken for it: it bounds the weight of one border.
 const SMALLEST_CHANCE: f64 = 1e-3;
 /// Chances nearer to one than this are one.
 const ROUNDING: f64 = 1e-9;
-
-/// What a search between a point in one interval and a point in another comes to.
-#[derive(Clone, Debug, Default)]
-pub struct SearchResult {
-    pub borders: Vec<usize>,
-    /// Intervals within which it looked at what is seen.
-    pub intervals: Vec<usize>,
-}
 
 /// The intervals of a line. Number r lies before border r.
 pub struct Intervals {
@@ -37,9 +27,6 @@ pub struct Intervals {
     /// The chance that one more point, drawn independently of all others, falls in each interval.
     pub extra: Vec<f64>,
 }
-
-/// Searches by the intervals between which they were made.
-pub type SearchCache = BTreeMap<[usize; 2], SearchResult>;
 
 impl Intervals {
     /// With another point that falls before each border with these chances.
@@ -99,8 +86,8 @@ impl Intervals {
         self.overlap([border, border + 1]) >= 1.0 - ROUNDING
     }
 
-    /// The probability of finding a border. `search` is asked what is found between two intervals
-    /// that are not neighbours.
+    /// The probability of finding a border. `finds` is asked whether searches between two intervals
+    /// that are not neighbours do.
     ///
     /// The other point falls between two of the row with the chances of `extra`, and the border is
     /// then found from it and that one of them which lies on the border's other side, or else
@@ -109,21 +96,12 @@ impl Intervals {
     pub fn inclusion_of_border(
         &self,
         border: usize,
-        known: &mut SearchCache,
-        search: &mut impl FnMut([usize; 2]) -> SearchResult,
+        mut finds: impl FnMut([usize; 2]) -> bool,
     ) -> f64 {
         if self.is_always_found(border) {
             return 1.0;
         }
-        let mut finds = |pair: [usize; 2]| -> f64 {
-            let is_found = pair[1] == pair[0] + 1
-                || known
-                    .entry(pair)
-                    .or_insert_with(|| search(pair))
-                    .borders
-                    .contains(&border);
-            is_found as u32 as f64
-        };
+        let mut finds = |[j, k]: [usize; 2]| (k == j + 1 || finds([j, k])) as u32 as f64;
         let mut chance = 0.0;
         // Of the intervals after the border: the extra point lies before it, and they find it.
         let mut from_before = vec![0.0; self.extra.len() - border - 1];
@@ -163,12 +141,12 @@ impl Intervals {
         chance.clamp(SMALLEST_CHANCE, 1.0)
     }
 
-    /// The probability that a search looks at what is seen within a interval.
+    /// The probability that a search looks at what is seen within an interval. `looks` is asked
+    /// whether searches between two others, one on each side of it, do.
     pub fn inclusion_within(
         &self,
         interval: usize,
-        known: &mut SearchCache,
-        search: &mut impl FnMut([usize; 2]) -> SearchResult,
+        mut looks: impl FnMut([usize; 2]) -> bool,
     ) -> f64 {
         let [from, to] = self.ends(interval);
         let met = to - from;
@@ -177,8 +155,7 @@ impl Intervals {
         }
         let mut chance = met;
         for (pair, overlap) in self.pairs_around([interval - 1, interval + 1]) {
-            let reach = known.entry(pair).or_insert_with(|| search(pair));
-            if reach.intervals.contains(&interval) {
+            if looks(pair) {
                 chance += overlap;
             }
         }
@@ -193,14 +170,12 @@ mod tests {
 
     /// Intervals of even numbers are open. A search between one that is not and one that is finds
     /// the border next to the first.
-    fn next_to_closed([j, k]: [usize; 2]) -> SearchResult {
-        let mut reach = SearchResult::default();
+    fn found_by([j, k]: [usize; 2]) -> Option<usize> {
         match [j % 2, k % 2] {
-            [1, 0] => reach.borders.push(j),
-            [0, 1] => reach.borders.push(k - 1),
-            _ => {}
-        };
-        reach
+            [1, 0] => Some(j),
+            [0, 1] => Some(k - 1),
+            _ => None,
+        }
     }
 
     /// The chances are those that are counted over all shifts of the points, with one more point or
@@ -240,18 +215,16 @@ mod tests {
                     points.sort_by(f64::total_cmp);
                     for pair in points.windows(2) {
                         let [j, k] = [pair[0], pair[1]].map(run_of);
-                        match [j % 2, k % 2] {
-                            [1, 0] => counted[j] += 1,
-                            [0, 1] => counted[k - 1] += 1,
-                            _ => {}
+                        if let Some(border) = found_by([j, k]) {
+                            counted[border] += 1;
                         }
                     }
                 }
             }
             let trials = (SHIFTS * extras.len()) as f64;
-            let mut known = SearchCache::new();
             for (border, count) in counted.into_iter().enumerate() {
-                let chance = intervals.inclusion_of_border(border, &mut known, &mut next_to_closed);
+                let finds = |pair| found_by(pair) == Some(border);
+                let chance = intervals.inclusion_of_border(border, finds);
                 let expected = count as f64 / trials;
                 assert!(
                     (chance - expected).abs() < 4.0 / SHIFTS as f64,

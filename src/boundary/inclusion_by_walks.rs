@@ -2,11 +2,10 @@
 //!
 //! Nothing is traced for it: what is seen in each interval is known, and walks tell the rest.
 
-use crate::boundary::inclusion::{Intervals, SearchCache, SearchResult};
+use crate::boundary::inclusion::Intervals;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{HALVINGS, between};
-use std::collections::BTreeMap;
 
 /// A line of rays from one point, with a coordinate.
 pub trait RayLine {
@@ -37,7 +36,6 @@ pub struct Border {
 pub struct InclusionByWalks<'a, L> {
     intervals: Intervals,
     searches: Searches<'a, L>,
-    known: SearchCache,
 }
 
 impl<'a, L: RayLine> InclusionByWalks<'a, L> {
@@ -54,53 +52,43 @@ impl<'a, L: RayLine> InclusionByWalks<'a, L> {
             searches: Searches {
                 scene,
                 line,
+                steps: vec![Vec::new(); borders.len()],
                 borders,
-                steps: BTreeMap::new(),
             },
-            known: SearchCache::new(),
         }
     }
 
     /// The probability of finding the border `at`, which has been found between the points at
     /// `ends`.
     pub fn inclusion_of_border(&mut self, at: f64, ends: [f64; 2]) -> f64 {
-        let Self {
-            intervals,
-            searches,
-            known,
-        } = self;
+        let searches = &mut self.searches;
         let border = searches.interval_of(at);
-        if intervals.is_always_found(border) {
-            return 1.0;
-        }
-        let pair = ends.map(|end| searches.interval_of(end));
-        let mut search = |pair| searches.between(pair);
-        let reach = known.entry(pair).or_insert_with(|| search(pair));
-        reach.borders.push(border);
-        intervals.inclusion_of_border(border, known, &mut search)
+        let found_by = ends.map(|end| searches.interval_of(end));
+        self.intervals.inclusion_of_border(border, |pair| {
+            pair == found_by || searches.finds(border, pair)
+        })
     }
 
     /// The probability of finding an edge within what is seen at a coordinate.
     pub fn inclusion_of_ridge(&mut self, at: f64) -> f64 {
-        let Self {
-            intervals,
-            searches,
-            known,
-        } = self;
+        let searches = &mut self.searches;
         let interval = searches.interval_of(at);
-        intervals.inclusion_within(interval, known, &mut |pair| searches.between(pair))
+        self.intervals
+            .inclusion_within(interval, |pair| searches.look_within(interval, pair))
     }
 }
 
 /// How a search goes on between two intervals.
 #[derive(Clone, Copy)]
 enum Step {
+    /// That has not been asked yet.
+    Unknown,
     /// It finds nothing.
     Ends,
     /// It finds the borders between these two intervals, and searches before and after them.
-    Finds([usize; 2]),
+    Finds([u32; 2]),
     /// It looks at what is seen in this one, and searches both halves.
-    Halves(usize),
+    Halves(u32),
 }
 
 /// What searches between points in these intervals would find.
@@ -108,8 +96,9 @@ struct Searches<'a, L> {
     scene: &'a SearchScene<'a>,
     line: &'a L,
     borders: Vec<Border>,
-    /// By the intervals between which they are made: searches have most of them in common.
-    steps: BTreeMap<[usize; 2], Step>,
+    /// Of searches from each interval but the last, to those that are not its neighbours: searches
+    /// have most of their steps in common.
+    steps: Vec<Vec<Step>>,
 }
 
 impl<L: RayLine> Searches<'_, L> {
@@ -118,48 +107,81 @@ impl<L: RayLine> Searches<'_, L> {
         self.borders.partition_point(|b| b.at < at)
     }
 
-    fn between(&mut self, pair: [usize; 2]) -> SearchResult {
-        let mut reach = SearchResult::default();
-        self.look(pair, L::ROUNDS, HALVINGS, &mut reach);
-        reach
+    /// Whether searches between two intervals, one on each side of a border, find it. They go on in
+    /// rounds, and between them what is not understood is halved, both as searches are.
+    fn finds(&mut self, border: usize, mut pair: [usize; 2]) -> bool {
+        let (mut rounds, mut halvings) = (L::ROUNDS, HALVINGS);
+        while rounds > 0 {
+            let [j, k] = pair;
+            if k == j + 1 {
+                return true;
+            }
+            let [before, after] = match self.step(pair) {
+                Step::Unknown | Step::Ends => return false,
+                Step::Finds(found) => {
+                    (rounds, halvings) = (rounds - 1, HALVINGS);
+                    found.map(|interval| interval as usize)
+                }
+                Step::Halves(_) if halvings == 0 => return false,
+                Step::Halves(middle) => {
+                    halvings -= 1;
+                    [middle as usize; 2]
+                }
+            };
+            if border < before {
+                pair = [j, before];
+            } else if border >= after {
+                pair = [after, k];
+            } else {
+                return true;
+            }
+            if pair[1] <= pair[0] || pair == [j, k] {
+                return false;
+            }
+        }
+        false
     }
 
-    /// As a search for silhouettes between points in two intervals goes, in the rounds and with the
-    /// halvings that are left.
-    fn look(&mut self, [j, k]: [usize; 2], rounds: u32, halvings: u32, reach: &mut SearchResult) {
-        if k <= j || rounds == 0 {
-            return;
+    /// Whether searches between two intervals, one on each side of another, look at what is seen in
+    /// that.
+    fn look_within(&mut self, interval: usize, mut pair: [usize; 2]) -> bool {
+        let (mut rounds, mut halvings) = (L::ROUNDS, HALVINGS);
+        while rounds > 0 && pair[0] < interval && interval < pair[1] {
+            let [before, after] = match self.step(pair) {
+                Step::Unknown | Step::Ends => return false,
+                Step::Finds(found) => {
+                    (rounds, halvings) = (rounds - 1, HALVINGS);
+                    found.map(|interval| interval as usize)
+                }
+                Step::Halves(_) if halvings == 0 => return false,
+                Step::Halves(middle) if middle as usize == interval => return true,
+                Step::Halves(middle) => {
+                    halvings -= 1;
+                    [middle as usize; 2]
+                }
+            };
+            pair = if interval < before {
+                [pair[0], before]
+            } else {
+                [after, pair[1]]
+            };
         }
-        if k == j + 1 {
-            reach.borders.push(j);
-            return;
-        }
-        let step = match self.steps.get(&[j, k]) {
-            Some(&step) => step,
-            None => {
-                let step = self.step([j, k]);
-                self.steps.insert([j, k], step);
-                step
-            }
-        };
-        match step {
-            Step::Ends => {}
-            Step::Finds([before, after]) => {
-                reach.borders.extend(before..after);
-                self.look([j, before], rounds - 1, HALVINGS, reach);
-                self.look([after, k], rounds - 1, HALVINGS, reach);
-            }
-            Step::Halves(_) if halvings == 0 => {}
-            Step::Halves(middle) => {
-                reach.intervals.push(middle);
-                self.look([j, middle], rounds, halvings - 1, reach);
-                self.look([middle, k], rounds, halvings - 1, reach);
-            }
-        }
+        false
     }
 
-    /// The first step between two intervals that are not neighbours.
-    fn step(&self, [j, k]: [usize; 2]) -> Step {
+    /// The first step of searches between two intervals that are not neighbours.
+    fn step(&mut self, [j, k]: [usize; 2]) -> Step {
+        if self.steps[j].is_empty() {
+            self.steps[j] = vec![Step::Unknown; self.borders.len() - 1 - j];
+        }
+        let number = k - j - 2;
+        if let Step::Unknown = self.steps[j][number] {
+            self.steps[j][number] = self.walk([j, k]);
+        }
+        self.steps[j][number]
+    }
+
+    fn walk(&self, [j, k]: [usize; 2]) -> Step {
         let (first, last) = (self.borders[j], self.borders[k - 1]);
         let ends @ [from, to] = [first.beside[0], last.beside[1]];
         let seen = [first.seen[0], last.seen[1]];
@@ -173,9 +195,9 @@ impl<L: RayLine> Searches<'_, L> {
             Ok([Some(crossing), _]) => {
                 let at = self.line.coordinate(&arc, ends, crossing.s);
                 let sides = [at - L::ROUNDING, at + L::ROUNDING];
-                Step::Finds(sides.map(|p| self.interval_of(p)))
+                Step::Finds(sides.map(|p| self.interval_of(p) as u32))
             }
-            Err(_) => Step::Halves(self.interval_of(0.5 * (from + to))),
+            Err(_) => Step::Halves(self.interval_of(0.5 * (from + to)) as u32),
         }
     }
 }
