@@ -106,7 +106,7 @@ impl Intervals {
         // Of the intervals after the border: the extra point lies before it, and they find it.
         let mut from_before = vec![0.0; self.extra.len() - border - 1];
         // The extra point lies between the border and the interval before it that is looked at.
-        let mut extra_before = 0.0;
+        let mut extra_before = 0.0f64;
         for j in (0..=border).rev() {
             let reach = self.ends(j)[1] + 1.0;
             if reach <= self.ends(border + 1)[0] {
@@ -118,23 +118,12 @@ impl Intervals {
                 if self.ends(k)[0] >= reach {
                     break;
                 }
-                let overlap = self.overlap([j, k]);
-                if overlap > 0.0 {
-                    let neither = 1.0 - extra_before - extra_after;
-                    let without = if neither > 0.0 {
-                        neither * finds([j, k])
-                    } else {
-                        0.0
-                    };
-                    chance += overlap * (*before + from_after + without);
-                }
-                if self.extra[k] > 0.0 {
-                    extra_after += self.extra[k];
-                    from_after += self.extra[k] * finds([j, k]);
-                }
-                if self.extra[j] > 0.0 {
-                    *before += self.extra[j] * finds([j, k]);
-                }
+                let found = finds([j, k]);
+                let neither = (1.0 - extra_before - extra_after).max(0.0);
+                chance += self.overlap([j, k]) * (*before + from_after + neither * found);
+                extra_after += self.extra[k];
+                from_after += self.extra[k] * found;
+                *before += self.extra[j] * found;
             }
             extra_before += self.extra[j];
         }
