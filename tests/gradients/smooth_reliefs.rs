@@ -9,7 +9,7 @@ use common::scenes::*;
 use common::transposition::transposed;
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
-use warpath::scene::Scene;
+use warpath::scene::{Layout, Scene};
 
 const MOVED: [f32; 3] = [1.0, 0.0, 0.2];
 /// World units: a tenth of a pixel.
@@ -107,6 +107,21 @@ fn axes_jump_from_facet_to_facet() {
         texture.texels.fill([0.55, 0.45, 0.95]);
     }
     checked(&scene, 1024, "ball.translation", &MOVED, 0.0025);
+}
+
+/// Normals that vary between vertices slide under a pixel as the ball moves.
+#[test]
+fn normals_by_vertex() {
+    let mut scene = ball_before_a_plate().depth(2).relief("ball", None);
+    let ball = scene.meshes.iter().find(|m| m.id == "ball");
+    let wave = |p: &Vec3| [0.3 * (9.0 * p.x).sin(), 0.25 * (11.0 * p.z).cos(), 0.4];
+    let normals = ball.map(|b| b.positions.iter().map(wave).collect::<Vec<_>>());
+    if let (Some(texture), Some(normals)) = (scene.textures.last_mut(), normals) {
+        texture.texels = normals.iter().map(|n| n.map(|x| 0.5 + x)).collect();
+        texture.layout = Layout::Vertices;
+        texture.key = "ball.vertex_slopes".into();
+    }
+    checked(&scene, 256, "ball.translation", &MOVED, 0.02);
 }
 
 #[test]
