@@ -91,6 +91,21 @@ enum Step {
     Halves(u32),
 }
 
+/// How far a search still goes: silhouettes behind one another, and halves of what is not understood.
+struct Left {
+    rounds: u32,
+    halvings: u32,
+}
+
+impl Left {
+    fn of<L: RayLine>() -> Self {
+        Self {
+            rounds: L::ROUNDS,
+            halvings: HALVINGS,
+        }
+    }
+}
+
 /// What searches between points in these intervals would find.
 struct Searches<'a, L> {
     scene: &'a SearchScene<'a>,
@@ -107,26 +122,16 @@ impl<L: RayLine> Searches<'_, L> {
         self.borders.partition_point(|b| b.at < at)
     }
 
-    /// Whether searches between two intervals, one on each side of a border, find it. They go on in
-    /// rounds, and between them what is not understood is halved, both as searches are.
+    /// Whether searches between two intervals, one on each side of a border, find it.
     fn finds(&mut self, border: usize, mut pair: [usize; 2]) -> bool {
-        let (mut rounds, mut halvings) = (L::ROUNDS, HALVINGS);
-        while rounds > 0 {
+        let mut left = Left::of::<L>();
+        while left.rounds > 0 {
             let [j, k] = pair;
             if k == j + 1 {
                 return true;
             }
-            let [before, after] = match self.step(pair) {
-                Step::Unknown | Step::Ends => return false,
-                Step::Finds(found) => {
-                    (rounds, halvings) = (rounds - 1, HALVINGS);
-                    found.map(|interval| interval as usize)
-                }
-                Step::Halves(_) if halvings == 0 => return false,
-                Step::Halves(middle) => {
-                    halvings -= 1;
-                    [middle as usize; 2]
-                }
+            let Some((_, [before, after])) = self.parts(pair, &mut left) else {
+                return false;
             };
             if border < before {
                 pair = [j, before];
@@ -145,21 +150,14 @@ impl<L: RayLine> Searches<'_, L> {
     /// Whether searches between two intervals, one on each side of another, look at what is seen in
     /// that.
     fn look_within(&mut self, interval: usize, mut pair: [usize; 2]) -> bool {
-        let (mut rounds, mut halvings) = (L::ROUNDS, HALVINGS);
-        while rounds > 0 && pair[0] < interval && interval < pair[1] {
-            let [before, after] = match self.step(pair) {
-                Step::Unknown | Step::Ends => return false,
-                Step::Finds(found) => {
-                    (rounds, halvings) = (rounds - 1, HALVINGS);
-                    found.map(|interval| interval as usize)
-                }
-                Step::Halves(_) if halvings == 0 => return false,
-                Step::Halves(middle) if middle as usize == interval => return true,
-                Step::Halves(middle) => {
-                    halvings -= 1;
-                    [middle as usize; 2]
-                }
+        let mut left = Left::of::<L>();
+        while left.rounds > 0 && pair[0] < interval && interval < pair[1] {
+            let Some((looked_at, [before, after])) = self.parts(pair, &mut left) else {
+                return false;
             };
+            if looked_at == Some(interval) {
+                return true;
+            }
             pair = if interval < before {
                 [pair[0], before]
             } else {
@@ -167,6 +165,25 @@ impl<L: RayLine> Searches<'_, L> {
             };
         }
         false
+    }
+
+    /// Where searches go on, before the first and after the second interval, and in which they looked
+    /// at what is seen; `None` if they end.
+    fn parts(&mut self, pair: [usize; 2], left: &mut Left) -> Option<(Option<usize>, [usize; 2])> {
+        match self.step(pair) {
+            Step::Unknown | Step::Ends => None,
+            Step::Finds(found) => {
+                left.rounds -= 1;
+                left.halvings = HALVINGS;
+                Some((None, found.map(|interval| interval as usize)))
+            }
+            Step::Halves(_) if left.halvings == 0 => None,
+            Step::Halves(middle) => {
+                left.halvings -= 1;
+                let middle = middle as usize;
+                Some((Some(middle), [middle; 2]))
+            }
+        }
     }
 
     /// The first step of searches between two intervals that are not neighbours.
