@@ -38,6 +38,8 @@ pub struct Integrator<'a> {
 #[derive(Clone, Copy)]
 pub struct Start {
     pub rays: RayPacket,
+    /// The triangles that these rays meet first, if that is known.
+    pub seen: Option<[u32; LANES]>,
     /// Number of the vertex that they lead to; 0 is the first that a camera sees.
     pub depth: u32,
     /// Lanes that move against what they see though nothing but the film drifts.
@@ -74,6 +76,7 @@ impl Integrator<'_> {
     ) {
         let start = Start {
             rays,
+            seen: None,
             drifts,
             depth: 0,
             with_emission: true,
@@ -164,12 +167,17 @@ impl Integrator<'_> {
     ) -> Vertices {
         let view = self.view;
         let rays = &path.rays;
-        let triangle = view.intersect(rays, path.coherence);
-        *if depth == 0 {
-            &mut store.counts.camera
-        } else {
-            &mut store.counts.bounce
-        } += rays.active.count_ones() as u64;
+        let triangle = match start.seen {
+            Some(seen) if depth == start.depth => seen,
+            _ => {
+                *if depth == 0 {
+                    &mut store.counts.camera
+                } else {
+                    &mut store.counts.bounce
+                } += rays.active.count_ones() as u64;
+                view.intersect(rays, path.coherence)
+            }
+        };
         // What a probe's first ray finds emitting counts where the path it stands for would count
         // it.
         let hides_emission =

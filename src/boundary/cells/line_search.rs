@@ -8,7 +8,7 @@
 //! is searched again.
 
 use crate::boundary::inclusion_by_walks::Border;
-use crate::boundary::probe::{Probed, Sides};
+use crate::boundary::probe::Sides;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::between::{Unresolved, between, between_halves};
@@ -17,6 +17,7 @@ use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_of;
+use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -58,10 +59,6 @@ pub trait Cell: Copy {
 
     /// How many cells it stands for.
     fn weight(&self) -> f64;
-
-    /// Whether silhouettes in it may be looked at again: what brings nothing at a first look is
-    /// kept, then.
-    fn is_looked_at_again(&self) -> bool;
 }
 
 /// A crossing before its jump is known.
@@ -74,18 +71,31 @@ pub struct Candidate<C> {
     beside: f64,
 }
 
-/// A crossing at which the radiance jumps, or may at another look.
-pub struct Jump<C> {
+/// A crossing that is seen, at which the radiance may jump.
+pub struct Met<C> {
     pub at: Candidate<C>,
-    /// Radiance before minus radiance after it, times how many crossings it stands for.
+    /// The triangles on its two sides.
+    seen: [u32; 2],
+    /// Radiance before minus radiance after it, times how many crossings it stands for: zero until it
+    /// has been looked at.
     pub jump: DVec3,
+}
+
+/// A packet of looks at the radiance, in pairs of lanes on the two sides of what was met.
+pub struct Look {
+    pub directions: [Vec3; LANES],
+    pub sides: Sides,
+    /// The triangles that the lanes see.
+    pub seen: [u32; LANES],
+    /// Which of the looks of what was met it is.
+    pub numbers: [u32; LANES],
 }
 
 /// A search on one line, or on several.
 pub struct LineSearch<'a, C: Cell> {
     scene: &'a SearchScene<'a>,
     pub counts: &'a mut Counts,
-    pub met: Vec<Jump<C>>,
+    pub met: Vec<Met<C>>,
     /// Where something else begins to be seen, whether it is known why or not.
     pub borders: BTreeMap<C::Line, Vec<Border>>,
 }
@@ -156,78 +166,82 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         }))
     }
 
-    /// Looks on both sides of each candidate and keeps those at which the radiance jumps. Returns
-    /// what else must lie in their cells. `look` is given up to LANES / 2 candidates, and the
-    /// directions beside them in pairs of lanes.
-    pub fn probe(
+    /// Looks at what is seen on both sides of each candidate and keeps those that lie before all
+    /// else and move. Returns what else must lie in their cells. `first_hits` is given directions and
+    /// the lanes that have one.
+    pub fn see(
         &mut self,
         candidates: &[Candidate<C>],
-        mut look: impl FnMut(&[Candidate<C>], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
+        first_hits: impl Fn(&[Vec3; LANES], u32) -> [u32; LANES],
     ) -> Vec<Candidate<C>> {
         let mut rest = Vec::new();
         for group in candidates.chunks(LANES / 2) {
             let (directions, sides) = beside(group);
-            let (radiance, seen) = look(group, &directions, sides, self.counts);
+            let seen = first_hits(&directions, sides.active);
+            self.counts.probe += u64::from(sides.active.count_ones());
             for (i, candidate) in group.iter().enumerate() {
-                let jump = candidate.jump(radiance, i);
-                let seen = [2 * i, 2 * i + 1].map(|l| seen[l]);
-                rest.extend(self.settle(candidate, jump, seen));
+                rest.extend(self.settle(candidate, [2 * i, 2 * i + 1].map(|l| seen[l])));
             }
         }
         rest
     }
 
-    /// Looks again at what was met, as often as `again` says of each, and takes the mean of these
-    /// looks. `look` is given the numbers of the lanes' looks.
-    pub fn look_again(
+    /// Looks at the radiance on both sides of what was met, as often as `looks` says of each, and
+    /// takes the mean of these jumps. What is not looked at stays as it is.
+    pub fn look(
         &mut self,
-        again: &[Range<u32>],
-        mut look: impl FnMut(&[u32; LANES], &[Vec3; LANES], Sides, &mut Counts) -> Probed,
+        looks: &[Range<u32>],
+        mut look: impl FnMut(&Look, &mut Counts) -> V3<Lane>,
     ) {
-        for (met, again) in self.met.iter_mut().zip(again) {
-            if !again.is_empty() {
-                met.jump = DVec3::ZERO;
-            }
-        }
-        for round in 0..again.iter().map(Range::len).max().unwrap_or(0) {
-            let rest: Vec<usize> = (0..again.len())
-                .filter(|&i| again[i].len() > round)
-                .collect();
-            for group in rest.chunks(LANES / 2) {
+        for round in 0..looks.iter().map(Range::len).max().unwrap_or(0) {
+            let wanted = (0..looks.len()).filter(|&i| looks[i].len() > round);
+            let wanted: Vec<usize> = wanted.collect();
+            for group in wanted.chunks(LANES / 2) {
                 let candidates: Vec<_> = group.iter().map(|&i| self.met[i].at).collect();
                 let (directions, sides) = beside(&candidates);
-                let number = |&i: &usize| again[i].start + round as u32;
-                let numbers = std::array::from_fn(|lane| group.get(lane / 2).map_or(0, number));
-                let (radiance, _) = look(&numbers, &directions, sides, self.counts);
-                for (lane, &i) in group.iter().enumerate() {
-                    let looks = again[i].len() as f64;
-                    self.met[i].jump += candidates[lane].jump(radiance, lane) / looks;
+                let of_lane = |lane: usize| group.get(lane / 2).copied();
+                let radiance = look(
+                    &Look {
+                        directions,
+                        sides,
+                        seen: std::array::from_fn(|lane| {
+                            of_lane(lane).map_or(NO_TRIANGLE, |i| self.met[i].seen[lane % 2])
+                        }),
+                        numbers: std::array::from_fn(|lane| {
+                            of_lane(lane).map_or(0, |i| looks[i].start + round as u32)
+                        }),
+                    },
+                    self.counts,
+                );
+                for (pair, &i) in group.iter().enumerate() {
+                    let jump = candidates[pair].jump(radiance, pair);
+                    self.met[i].jump += jump / looks[i].len() as f64;
                 }
+            }
+        }
+        for met in &mut self.met {
+            if !met.jump.is_finite() {
+                self.counts.boundary_not_finite += 1;
+                met.jump = DVec3::ZERO;
             }
         }
     }
 
-    /// Keeps a candidate if the radiance jumps there, and returns what else must lie in its cell.
-    fn settle(
-        &mut self,
-        candidate: &Candidate<C>,
-        jump: DVec3,
-        seen: [u32; 2],
-    ) -> Vec<Candidate<C>> {
-        let Candidate { crossing, .. } = *candidate;
-        if !jump.is_finite() {
-            self.counts.boundary_not_finite += 1;
-        } else if (jump != DVec3::ZERO || candidate.may_jump()) && !self.is_hidden(candidate, seen)
-        {
-            self.met.push(Jump {
+    /// Keeps a candidate if it lies before all else and moves, and returns what else must lie in its
+    /// cell.
+    fn settle(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
+        let Candidate { crossing, cell, .. } = candidate;
+        let is_hidden = self.is_hidden(candidate, seen);
+        if !is_hidden && cell.moves(&crossing.boundary) {
+            self.met.push(Met {
                 at: *candidate,
-                jump,
+                seen,
+                jump: DVec3::ZERO,
             });
         }
-        if crossing.is_silhouette() {
-            self.rest(candidate, seen)
-        } else {
-            Vec::new()
+        match crossing.is_silhouette() {
+            true => self.rest(candidate, seen, is_hidden),
+            false => Vec::new(),
         }
     }
 
@@ -258,7 +272,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
                 let places = candidate.places_beside();
                 let seen = places.map(|s| candidate.cell.first_hit(s));
                 self.counts.probe += 2;
-                rest.extend(self.rest(candidate, seen));
+                let is_hidden = self.is_hidden(candidate, seen);
+                rest.extend(self.rest(candidate, seen, is_hidden));
             }
             found = rest;
         }
@@ -267,10 +282,15 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     /// Keeps the border at a silhouette beside which `seen` is seen, unless it lies behind that;
     /// and returns the silhouettes in the rest of its cell: where what is seen beside it is not
     /// what an end of the cell sees, something else ends in between.
-    fn rest(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
+    fn rest(
+        &mut self,
+        candidate: &Candidate<C>,
+        seen: [u32; 2],
+        is_hidden: bool,
+    ) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let places = candidate.places_beside();
-        if !self.is_hidden(candidate, seen) {
+        if !is_hidden {
             self.add_border(
                 cell,
                 Border {
@@ -309,13 +329,6 @@ impl<C: Cell> Candidate<C> {
         [-self.beside, self.beside].map(|side| self.crossing.s + side)
     }
 
-    /// Whether another look may find a jump, where the first one has found none.
-    pub fn may_jump(&self) -> bool {
-        self.crossing.is_silhouette()
-            && self.cell.is_looked_at_again()
-            && self.cell.moves(&self.crossing.boundary)
-    }
-
     /// The jump of what a pair of lanes sees, times how many crossings it stands for.
     fn jump(&self, radiance: V3<Lane>, pair: usize) -> DVec3 {
         let [before, after] = [0, 1].map(|side| lane_of(radiance, 2 * pair + side).as_dvec3());
@@ -332,8 +345,7 @@ fn beside<C: Cell>(candidates: &[Candidate<C>]) -> ([Vec3; LANES], Sides) {
         for (k, s) in candidate.places_beside().into_iter().enumerate() {
             directions[2 * i + k] = cell.direction(s).as_vec3();
         }
-        let moves = cell.moves(&crossing.boundary);
-        sides.add(i, moves, crossing.kind == Kind::FacetEdge);
+        sides.add(i, crossing.kind == Kind::FacetEdge);
     }
     (directions, sides)
 }

@@ -102,10 +102,11 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                     let at = point.at + point.slope.normalize() * (side * point.beside);
                     directions[2 * i + k] = dvec3(view.camera.direction(at.x, at.y)).as_vec3();
                 }
-                sides.add(i, true, point.crossing.kind == Kind::FacetEdge);
+                sides.add(i, point.crossing.kind == Kind::FacetEdge);
             }
             let start = Start {
                 rays: view.camera.rays(from_lanes(&directions), sides.active),
+                seen: None,
                 depth: 0,
                 drifts: 0,
                 with_emission: true,

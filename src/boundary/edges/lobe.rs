@@ -124,7 +124,6 @@ fn look(
         .fold(0, |bits, lane| bits | 1 << lane);
     let sides = Sides {
         active,
-        wanted: active,
         facet_edges,
     };
     let (surface, depth) = (at.surface, at.numbers.depth);
@@ -135,6 +134,7 @@ fn look(
             from_lanes(&directions),
             active,
         ),
+        seen: None,
         depth: depth + 1,
         drifts: 0,
         with_emission,

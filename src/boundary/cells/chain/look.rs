@@ -33,7 +33,7 @@ pub fn jumps(
             origins[2 * i + k] = origin.as_vec3();
             directions[2 * i + k] = direction.as_vec3();
         }
-        sides.add(i, true, false);
+        sides.add(i, false);
     }
     let start = Start {
         rays: RayPacket {
@@ -43,6 +43,7 @@ pub fn jumps(
             near: 0.0,
             far: f32::INFINITY,
         },
+        seen: None,
         depth: depth + borders.first().map_or(0, |b| b.bends as u32),
         drifts: 0,
         with_emission: true,

@@ -332,8 +332,4 @@ impl Cell for FilmCell<'_> {
     fn weight(&self) -> f64 {
         f64::from(self.weight)
     }
-
-    fn is_looked_at_again(&self) -> bool {
-        true
-    }
 }

@@ -11,7 +11,7 @@
 //! is then looked at from as many different directions as there are looks in it.
 
 use super::cell::FilmCell;
-use crate::boundary::cells::line_search::{Candidate, Jump};
+use crate::boundary::cells::line_search::{Candidate, Met};
 use std::ops::Range;
 
 /// Of a tile, so many come to one look, which is from both sides. It takes less than a sample, whose
@@ -25,16 +25,16 @@ const MOST_LOOKS: usize = 16;
 /// given to it, up to so many: more are as good for specks, and cost time in hair.
 const MOST_BY_CHANCE: f64 = 8.0;
 
-/// Which looks each of what was met has after the first, in whose place they count. None where the
-/// light hardly varies beside a border: there the first says all. `points` are those of the tile.
-pub fn again(
-    met: &[Jump<FilmCell>],
+/// Which looks each of what was met has. None where the light hardly varies beside a border, so
+/// that one says all. `points` are those of the tile.
+pub fn many(
+    met: &[Met<FilmCell>],
     chances: &[f64],
     samples: usize,
     points: [usize; 2],
 ) -> Vec<Range<u32>> {
     let looks = looks(met, chances, samples);
-    let mut again = vec![0..0; met.len()];
+    let mut many = vec![0..0; met.len()];
     // In a crowd all of a line have the same numbers (`FilmCell::crowd`).
     let mut next = ((points[0] + points[1]) * MOST_LOOKS) as u32;
     let mut by_place: Vec<usize> = Vec::new();
@@ -42,7 +42,7 @@ pub fn again(
         match met.at.cell.line_of_crowd() {
             Some(line) => {
                 let first = line * MOST_LOOKS as u32;
-                again[number] = first..first + looks[number];
+                many[number] = first..first + looks[number];
             }
             None => by_place.push(number),
         }
@@ -53,23 +53,23 @@ pub fn again(
     };
     by_place.sort_by_key(place);
     for number in by_place {
-        again[number] = next..next + looks[number];
+        many[number] = next..next + looks[number];
         next += looks[number];
     }
-    again
+    many
 }
 
 /// How often to look at each of what was met with these chances among a tile's samples.
-fn looks(met: &[Jump<FilmCell>], chances: &[f64], samples: usize) -> Vec<u32> {
-    let varies = |met: &Jump<FilmCell>| {
+fn looks(met: &[Met<FilmCell>], chances: &[f64], samples: usize) -> Vec<u32> {
+    let varies = |met: &Met<FilmCell>| {
         let Candidate { crossing, cell, .. } = &met.at;
-        met.at.may_jump() && !cell.is_even_beside(crossing.s, EVEN)
+        crossing.is_silhouette() && !cell.is_even_beside(crossing.s, EVEN)
     };
     let varying: Vec<bool> = met.iter().map(varies).collect();
     let count = varying.iter().filter(|varies| **varies).count().max(1);
     let of_varying = (samples / (SAMPLES_PER_LOOK * count)).clamp(1, MOST_LOOKS) as u32;
     let of = |number: usize| {
-        let by_chance = match met[number].at.may_jump() {
+        let by_chance = match met[number].at.crossing.is_silhouette() {
             true => (1.0 / chances[number]).min(MOST_BY_CHANCE) as u32,
             false => 1,
         };

@@ -17,11 +17,10 @@ use super::piece::pieces;
 use super::weights::{self, ROUNDS};
 use super::{looks, rims, shadow_border, shadows, terminators};
 use crate::boundary::cells::chain;
-use crate::boundary::cells::line_search::{Candidate, Jump, LineSearch};
-use crate::boundary::probe::{Probed, Sides};
+use crate::boundary::cells::line_search::{Candidate, LineSearch, Look, Met};
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::boundary::{Boundary, velocity_per_side};
-use crate::lanes::LANES;
+use crate::lanes::{Lane, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
@@ -29,7 +28,8 @@ use crate::paths::estimator::FilmTile;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::from_lanes;
-use glam::{DVec3, Vec3};
+use crate::trace::Coherence;
+use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// Of the cells about which all looks alike one in this many is searched and stands for all, but
@@ -48,11 +48,11 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
             cell.crowd();
         }
     }
-    let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
+    let view = film.view;
     for _ in 0..ROUNDS {
-        candidates = search.probe(&candidates, |group, directions, sides, counts| {
-            let index = numbers(group);
-            look(&cells, (directions, sides), &stream, &index, counts)
+        candidates = search.see(&candidates, |directions, active| {
+            let rays = view.camera.rays(from_lanes(directions), active);
+            view.intersect(&rays, Coherence::Coherent)
         });
         if candidates.is_empty() {
             break;
@@ -63,11 +63,17 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
         .retain(|met| film.tile.contains(met.at.cell.position(met.at.crossing.s)));
     let chances = weights::chances(&cells, &mut search, &skipped);
     let samples = film.image.radiance.len();
-    let again = looks::again(&search.met, &chances, samples, film.tile.points);
-    let of_looks = film.tile.stream.branch(Branch::FilmLook, [0; 3]);
-    search.look_again(&again, |index, directions, sides, counts| {
-        look(&cells, (directions, sides), &of_looks, index, counts)
+    let many = looks::many(&search.met, &chances, samples, film.tile.points);
+    let once = search.met.iter().zip(&many).map(|(met, many)| {
+        let number = met.at.cell.numbers;
+        number..number + u32::from(many.is_empty())
     });
+    let once: Vec<_> = once.collect();
+    let stream = film.tile.stream.branch(Branch::FilmProbe, [0; 3]);
+    let of_many = film.tile.stream.branch(Branch::FilmLook, [0; 3]);
+    for (looks, stream) in [(&once, &stream), (&many, &of_many)] {
+        search.look(looks, |beside, counts| look(&cells, beside, stream, counts));
+    }
     let LineSearch { met, counts, .. } = search;
     for (met, chance) in met.iter().zip(chances) {
         add(&cells, met, chance, (&mut crowds, counts), &mut out.samples);
@@ -142,35 +148,28 @@ fn searched_cells<'a>(
     (candidates, skipped)
 }
 
-/// Which random numbers the lanes have that look beside candidates.
-fn numbers(group: &[Candidate<FilmCell>]) -> [u32; LANES] {
-    std::array::from_fn(|l| group.get(l / 2).map_or(0, |c| c.cell.numbers))
-}
-
-/// The radiance along these directions.
-fn look(
-    cells: &LatticeCells,
-    (directions, sides): (&[Vec3; LANES], Sides),
-    stream: &Stream,
-    index: &[u32; LANES],
-    counts: &mut Counts,
-) -> Probed {
-    let camera = &cells.film.view.camera;
+/// The radiance that a packet of looks sees.
+fn look(cells: &LatticeCells, beside: &Look, stream: &Stream, counts: &mut Counts) -> V3<Lane> {
+    let (directions, sides) = (from_lanes(&beside.directions), beside.sides);
     let start = Start {
-        rays: camera.rays(from_lanes(directions), sides.active),
+        rays: cells.film.view.camera.rays(directions, sides.active),
+        seen: Some(beside.seen),
         depth: 0,
         drifts: 0,
         with_emission: true,
         between_planes: 0,
     };
-    cells.scene.probe(start, sides, stream, index, counts)
+    let (radiance, _) = cells
+        .scene
+        .probe(start, sides, stream, &beside.numbers, counts);
+    radiance
 }
 
 /// Adds the jump times the silhouette's speed per unit of Ḟ along the line, over the lines'
 /// density. In a crowd the speed is that of the point of the edge.
 fn add<'a>(
     cells: &LatticeCells<'a>,
-    met: &Jump<FilmCell>,
+    met: &Met<FilmCell>,
     chance: f64,
     (crowds, counts): (&mut Crowds<'a>, &mut Counts),
     samples: &mut Vec<BoundarySample>,

@@ -1,7 +1,7 @@
 //! Things on the film that are thinner than the lattice (`boundary::inclusion`).
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
-use crate::boundary::cells::line_search::{Cell, Jump, LineSearch};
+use crate::boundary::cells::line_search::{Cell, LineSearch, Met};
 use crate::boundary::inclusion::Intervals;
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::discontinuity::arc::Arc;
@@ -17,7 +17,7 @@ pub fn chances<'a>(
     search: &mut LineSearch<FilmCell<'a>>,
     skipped: &BTreeSet<(LatticeLine, i64)>,
 ) -> Vec<f64> {
-    let steps = |met: &Jump<FilmCell>| met.at.coordinate();
+    let steps = |met: &Met<FilmCell>| met.at.coordinate();
     let mut chances = Vec::with_capacity(search.met.len());
     let mut all = std::mem::take(&mut search.met);
     all.sort_by(|a, b| {
@@ -28,7 +28,7 @@ pub fn chances<'a>(
         let line = met[0].at.cell.line();
         let count = cells.film.tile.points[line.axis] as i64 - 1;
         // What is further away than a step does not matter.
-        let cell_of = |met: &Jump<FilmCell>| steps(met).floor() as i64;
+        let cell_of = |met: &Met<FilmCell>| steps(met).floor() as i64;
         let near: BTreeSet<i64> = met
             .iter()
             .flat_map(|met| cell_of(met) - 1..=cell_of(met) + 1)

@@ -95,8 +95,4 @@ impl Cell for LobeCell<'_> {
     fn weight(&self) -> f64 {
         1.0
     }
-
-    fn is_looked_at_again(&self) -> bool {
-        false
-    }
 }

@@ -6,20 +6,21 @@ use super::line::{LaneSurface, Line};
 use super::shadows;
 use super::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::cells::chain::{self, lobe::Probes};
-use crate::boundary::cells::line_search::{Cell, LineSearch};
+use crate::boundary::cells::line_search::{Cell, LineSearch, Look};
 use crate::boundary::inclusion_by_walks::{InclusionByWalks, RayLine};
 use crate::boundary::occlusion::SurfacePoint;
-use crate::boundary::probe::{Probed, Sides};
+use crate::boundary::probe::Sides;
 use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lane, V3};
 use crate::paths::at::At;
 use crate::paths::bounce::BounceEnd;
 use crate::paths::counts::Counts;
 use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
-use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
 
 /// Silhouettes behind one another that are looked for in one cell.
@@ -82,20 +83,25 @@ fn silhouettes(
         found.extend(on_line.candidates(cell, Some((part.choice)(i as u32))));
     }
     for _ in 0..ROUNDS {
-        found = on_line.probe(&found, |_, directions, sides, counts| {
-            look(scene, here, point, way, (directions, sides), counts)
+        found = on_line.see(&found, |directions, active| {
+            let rays = leaving(scene, point, directions, active);
+            scene.view.intersect(&rays, Coherence::Incoherent)
         });
         if found.is_empty() {
             break;
         }
     }
+    let once = vec![0..1; on_line.met.len()];
+    on_line.look(&once, |beside, counts| {
+        look(scene, here, point, way, beside, counts)
+    });
     let LineSearch {
         met, mut borders, ..
     } = on_line;
     let borders = borders.remove(&()).unwrap_or_default();
     let mut intervals =
         InclusionByWalks::new(scene, &from_here, borders, |psi| line.intervals(&psi));
-    for met in met {
+    for met in met.into_iter().filter(|met| met.jump != DVec3::ZERO) {
         let psi = met.at.coordinate();
         let chance = if met.at.crossing.is_silhouette() {
             intervals.inclusion_of_border(psi, met.at.cell.ends)
@@ -128,10 +134,17 @@ pub fn on_own_plane(
     let [a, b] = [end, start].map(|psi| before.direction(psi).as_vec3());
     let directions = std::array::from_fn(|l| if l == 0 { a } else { b });
     let mut sides = Sides::default();
-    sides.add(0, true, false);
+    sides.add(0, false);
     let (scene, counts) = (search.scene, &mut search.out.counts);
-    let asked = (&directions, sides);
-    let (radiance, _) = look(scene, here, &point, way, asked, counts);
+    let rays = leaving(scene, &point, &directions, sides.active);
+    let beside = Look {
+        directions,
+        sides,
+        seen: scene.view.intersect(&rays, Coherence::Incoherent),
+        numbers: [0; LANES],
+    };
+    counts.probe += 2;
+    let radiance = look(scene, here, &point, way, &beside, counts);
     let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
     let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
     if jump != DVec3::ZERO {
@@ -140,27 +153,41 @@ pub fn on_own_plane(
     }
 }
 
-/// Radiance from these directions, and the triangles that all sides see.
+/// Rays from a point in these directions.
+fn leaving(
+    scene: &SearchScene,
+    point: &SurfacePoint,
+    directions: &[Vec3; LANES],
+    active: u32,
+) -> RayPacket {
+    let normal = from_lanes(&[point.geometric; LANES]);
+    let x = from_lanes(&[point.x; LANES]);
+    scene
+        .view
+        .leaving(x, normal, from_lanes(directions), active)
+}
+
+/// Radiance from the directions of a look.
 fn look(
     scene: &SearchScene,
     here: &At,
     point: &SurfacePoint,
     way: &Way,
-    (directions, sides): (&[Vec3; LANES], Sides),
+    beside: &Look,
     counts: &mut Counts,
-) -> Probed {
-    let normal = from_lanes(&[point.geometric; LANES]);
-    let x = from_lanes(&[point.x; LANES]);
+) -> V3<Lane> {
     let start = Start {
-        rays: scene
-            .view
-            .leaving(x, normal, from_lanes(directions), sides.active),
+        rays: leaving(scene, point, &beside.directions, beside.sides.active),
+        seen: Some(beside.seen),
         depth: here.numbers.depth + 1,
         drifts: 0,
         with_emission: way.is_narrow,
         between_planes: 0,
     };
-    scene.probe(start, sides, way.stream, &[way.index; LANES], counts)
+    let index = [way.index; LANES];
+    scene
+        .probe(start, beside.sides, way.stream, &index, counts)
+        .0
 }
 
 /// The cells of a line: the intervals between its points, of which is seen what lies there.
