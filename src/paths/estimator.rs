@@ -53,6 +53,12 @@ pub trait BoundaryEstimator: Sync {
         None
     }
 
+    /// Whether it wants to know what bounces from the last vertices meet, and not only which light they
+    /// see.
+    fn asks_what_bounces_meet(&self) -> bool {
+        true
+    }
+
     /// Over the film: jumps of the radiance in a tile, whose samples have been traced.
     fn film(&self, _film: &FilmTile, _out: &mut Found) {}
 
@@ -72,7 +78,11 @@ pub trait BoundaryEstimator: Sync {
 /// The estimator that finds nothing: what is left is the derivative that ignores visibility.
 pub struct Interior;
 
-impl BoundaryEstimator for Interior {}
+impl BoundaryEstimator for Interior {
+    fn asks_what_bounces_meet(&self) -> bool {
+        false
+    }
+}
 
 /// The film before anything is traced.
 pub struct WholeFilm<'a> {

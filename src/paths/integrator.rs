@@ -1,8 +1,7 @@
 //! Tracing paths, one packet of lanes at a time: camera ray, light samples, bounce, and so on.
 //!
-//! What is drawn and how it is weighed is in `paths::light`, `paths::environment` and
-//! `paths::surface`. Wherever an integral is estimated whose integrand may jump, the boundary
-//! estimator is called (`paths::estimator`).
+//! `paths::light`, `paths::environment` and `paths::surface` draw and weigh. Wherever an integral is
+//! estimated whose integrand may jump, the boundary estimator is called (`paths::estimator`).
 
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
@@ -328,8 +327,8 @@ impl Integrator<'_> {
         }
         if let Some(drift) = self.estimator.lobe_drift(self.view) {
             let at_last = numbers.depth + 2 >= self.view.limits.max_depth;
-            let leaving = (surface, next.direction);
-            path.moves |= self.view.carry(drift, vertices, leaving, at_last);
+            let to = (surface, next.direction);
+            path.moves |= self.view.carry(drift, vertices, to, at_last);
         }
         path.rays = next;
         path.throughput = vertices.throughput.times(vertices.weight) * (vertices.survival * rim);
@@ -346,25 +345,18 @@ impl Integrator<'_> {
         store: &mut TileStore,
     ) -> bool {
         if path.rays.active == 0 {
-            let zero = Lane::splat(0.0);
-            let looks = |v: &Vertices| v.line_survival.gt(zero).to_bits() != 0;
-            if store.vertices.last().is_some_and(looks) {
+            if store.vertices.last().is_some_and(Vertices::looks) {
                 let seen = BounceEnd::Triangles(&[NO_TRIANGLE; LANES]);
                 self.look_over_lobe(path, seen, numbers, store);
             }
             return true;
         }
-        if segments < self.view.limits.max_depth || !self.view.lights.is_empty() {
+        let (view, lights) = (self.view, self.view.lights);
+        let asks = !lights.is_empty() && self.estimator.asks_what_bounces_meet();
+        if segments < view.limits.max_depth || asks || !lights.are_few() {
             return false;
         }
-        // Only whether the environment is seen matters: any hit will do.
-        let mut end = Vertices {
-            origin: path.rays.origin,
-            direction: path.rays.direction,
-            throughput: path.throughput,
-            escaped: self.view.unoccluded(&path.rays, &mut store.counts.bounce),
-            ..Vertices::default()
-        };
+        let mut end = view.ends(&path.rays, path.throughput, &mut store.counts.bounce);
         self.mis_weigh_emission(&mut end, path, store);
         self.look_over_lobe(path, BounceEnd::Environment(end.escaped), numbers, store);
         store.vertices.push(end);

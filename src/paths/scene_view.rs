@@ -1,6 +1,6 @@
 //! The scene as paths see it: its data, and the questions that rays answer.
 
-use crate::lanes::LANES;
+use crate::lanes::{LANES, Lane};
 use crate::paths::environment::distribution::MapDistribution;
 use crate::paths::film::camera::Camera;
 use crate::paths::light::patches::Lights;
@@ -66,13 +66,22 @@ impl SceneView<'_> {
 
     /// The active lanes whose rays meet nothing; the rays are added to `count`.
     pub fn unoccluded(&self, rays: &RayPacket, count: &mut u64) -> u32 {
+        self.unoccluded_before(Lane::splat(rays.far), rays, count)
+    }
+
+    /// Those whose rays meet nothing before `far`.
+    pub fn unoccluded_before(&self, far: Lane, rays: &RayPacket, count: &mut u64) -> u32 {
         if rays.active == 0 {
             return 0;
         }
         *count += rays.active.count_ones() as u64;
+        let ahead = Rays {
+            tfar: far.to_array(),
+            ..to_rays(rays)
+        };
         let occluded = self
             .accel
-            .occluded(&to_rays(rays), rays.active, Coherence::Incoherent);
+            .occluded(&ahead, rays.active, Coherence::Incoherent);
         rays.active & !occluded
     }
 }

@@ -162,6 +162,11 @@ impl Lobes {
 }
 
 impl Vertices {
+    /// Whether any lane looks for silhouettes over its lobe.
+    pub fn looks(&self) -> bool {
+        self.line_survival.gt(Lane::splat(0.0)).to_bits() != 0
+    }
+
     /// Product of weights before this vertex.
     pub fn arriving_throughput(&self) -> V3<Lane> {
         self.choice

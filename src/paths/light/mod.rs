@@ -1,5 +1,6 @@
 //! Lights of a finite extent, and delta lights: next-event estimation.
 
+pub mod ahead;
 pub mod beam;
 pub mod delta;
 pub mod lamp;
