@@ -47,6 +47,21 @@ fn silhouettes() {
     agree(&silhouette(BOX), &[("block.scale", &[1.0])], 1024, 0.003);
 }
 
+/// Two walls whose borders lie on one another: what jumps between them jumps once.
+#[test]
+fn walls_that_abut() {
+    let wall = |x: f32| {
+        let up = vec3(0.0, 0.0, 0.6);
+        parallelogram(vec3(x, 0.1, 0.1), vec3(0.5, 0.0, 0.0), up)
+    };
+    let scene = small_floor()
+        .solid("west", wall(-0.5), [0.8, 0.2, 0.1])
+        .solid("east", wall(0.0), [0.1, 0.3, 0.7])
+        .constant_environment(SKY);
+    agree(&scene, &[("cam.translation", &MOVED)], 64, 0.01);
+    agree(&scene, &[("floor.translation", &MOVED)], 256, 0.02);
+}
+
 #[test]
 fn shadows() {
     agree(&shadow(), &[("block.translation", &MOVED)], 256, 0.02);

@@ -178,7 +178,7 @@ impl FilmPoint {
             slope,
             way: way + per_pixel * shift,
             beside,
-            length,
+            length: edge.share * length,
         };
         (found.way.is_finite() && beside.is_finite()).then_some(found)
     }

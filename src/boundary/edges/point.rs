@@ -76,7 +76,7 @@ impl EdgePoint {
             way: y - start,
             across: boundary.normal(geometry, start).normalize(),
             beside_rad: beside.min(MOST_BESIDE),
-            per_side: angle / (drawn.chance * c.length()),
+            per_side: edge.share * angle / (drawn.chance * c.length()),
             is_horizon: false,
         };
         let is_good = found.per_side.is_finite()

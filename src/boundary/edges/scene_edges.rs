@@ -9,7 +9,7 @@ use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::texture_edges;
 use crate::discontinuity::walk::{Bend, FLAT, bend_at};
 use crate::trace::geometry::Geometry;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// Height over length of a triangle that is a line for who looks.
@@ -27,6 +27,8 @@ pub struct SceneEdge {
     pub is_acute: bool,
     /// Unit normals of two of its triangles, for who asks what it may be a silhouette from.
     pub normals: [DVec3; 2],
+    /// Its part in what jumps there: borders of several meshes may lie in one place.
+    pub share: f64,
 }
 
 /// What becomes of the shading at an edge, where both sides are seen.
@@ -74,7 +76,30 @@ impl SceneEdges {
                 own.add_borders(geometry, adjacency, mesh);
             }
         }
+        own.share_places(geometry);
         own
+    }
+
+    /// Gives borders of several meshes that lie in one place equal shares: each is drawn, and what
+    /// jumps is seen beside each. Borders whose ends differ are not known to lie on one another.
+    fn share_places(&mut self, geometry: &Geometry) {
+        // Adding zero takes the sign from it.
+        let bits = |v: u32| {
+            (geometry.positions[v as usize] + Vec3::ZERO)
+                .to_array()
+                .map(f32::to_bits)
+        };
+        let place = |edge: &SceneEdge| {
+            let [a, b] = edge.ends.map(bits);
+            [a.min(b), a.max(b)]
+        };
+        let is_border = |edge: &&mut SceneEdge| edge.normals == [DVec3::ZERO; 2];
+        let mut borders: Vec<_> = self.edges.iter_mut().filter(is_border).collect();
+        borders.sort_by_cached_key(|edge| place(edge));
+        for same in borders.chunk_by_mut(|a, b| place(a) == place(b)) {
+            let share = 1.0 / same.len() as f64;
+            same.iter_mut().for_each(|edge| edge.share = share);
+        }
     }
 
     /// Edges that two triangles share.
@@ -164,6 +189,7 @@ impl SceneEdges {
             shading,
             is_acute,
             normals,
+            share: 1.0,
         });
     }
 
