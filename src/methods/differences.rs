@@ -18,14 +18,15 @@ use super::followers::Followers;
 use super::parts::Parts;
 use super::prepared::Prepared;
 use super::progress::Progress;
-use super::render::group_images;
+use super::refusals;
+use super::render::{Along, group_images};
 use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::statistics::Statistics;
 use crate::paths::film::drift::DriftVelocity;
 use crate::picture::Image;
 use crate::scene::Rgb;
-use crate::scene::parameters::Parameter;
+use crate::scene::parameters::{self, Parameter};
 use crate::statistics::estimate::Estimate;
 use std::array::from_fn;
 use std::time::Instant;
@@ -203,6 +204,9 @@ impl<'a> Displaced<'a> {
             parts: &self.parts,
             followers: &self.followers,
         };
+        let moving: Vec<_> = direction.iter().map(|(p, _)| p.clone()).collect();
+        let request = parameters::wanted(prepared.scene, &moving, self.settings.sensor)?;
+        let black_goes_on = refusals::asks_about_black(prepared.scene, &request);
         for (part, (offset, weight)) in steps.scheme.iter().enumerate() {
             let start = Instant::now();
             let mut displaced = EditedScene::new(base);
@@ -216,9 +220,12 @@ impl<'a> Displaced<'a> {
                     part: part as u64,
                     parts: steps.scheme.len() as u64,
                 };
-                let carried = steps.carried.as_ref().map(|v| (v, offset * step));
+                let along = Along {
+                    carried: steps.carried.as_ref().map(|v| (v, offset * step)),
+                    black_goes_on,
+                };
                 let (groups, size) =
-                    group_images(&there, &self.settings, carried, &progress, statistics)?;
+                    group_images(&there, &self.settings, along, &progress, statistics)?;
                 each(DisplacedImages {
                     groups,
                     size,

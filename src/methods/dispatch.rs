@@ -8,6 +8,7 @@ use super::objective::{self, Evaluation, Objective};
 use super::pilot::Question;
 use super::prepared::Prepared;
 use super::progress::Progress;
+use super::render::Along;
 use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
 use super::statistics::{Pilot, Statistics};
@@ -97,8 +98,13 @@ impl Prepared<'_> {
         progress: &dyn Progress,
     ) -> Result<(Vec<Image>, Statistics), EngineError> {
         let mut statistics = Statistics::default();
-        let (groups, [width, height]) =
-            super::render::group_images(self, settings, None, progress, &mut statistics)?;
+        let (groups, [width, height]) = super::render::group_images(
+            self,
+            settings,
+            Along::default(),
+            progress,
+            &mut statistics,
+        )?;
         let image = |pixels| Image {
             width,
             height,

@@ -40,16 +40,28 @@ pub fn render(
     Ok(Rendering { image, statistics })
 }
 
-/// Images of each group of samples that is done here; the samples may be carried along with the
-/// film's drift for a time.
+/// How the images of a difference are traced.
+#[derive(Clone, Copy, Default)]
+pub struct Along<'a> {
+    /// What samples are carried along with, and for how long.
+    pub carried: Option<(&'a DriftVelocity, f64)>,
+    /// Paths go on from black surfaces, which on the other side of zero take light away.
+    pub black_goes_on: bool,
+}
+
+/// Images of each group of samples that is done here.
 pub fn group_images(
     prepared: &Prepared,
     settings: &Settings,
-    carried: Option<(&DriftVelocity, f64)>,
+    Along {
+        carried,
+        black_goes_on,
+    }: Along,
     progress: &dyn Progress,
     statistics: &mut Statistics,
 ) -> Result<(Vec<Vec<Rgb>>, [usize; 2]), EngineError> {
-    let stage = Stage::new(prepared, settings, None, statistics)?;
+    let mut stage = Stage::new(prepared, settings, None, statistics)?;
+    stage.limits.black_goes_on = black_goes_on;
     let pixels = stage.size[0] * stage.size[1];
     let own = stage.own_groups();
     let images = own.clone().map(|_| room::filled([0.0; 3], pixels));

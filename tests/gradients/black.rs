@@ -67,7 +67,13 @@ fn slopes_at_zero() {
             )
         };
         let [at_0, at_1, at_2] = [0.0, STEP, 2.0 * STEP].map(image);
-        let got = by_reflectance(&painted(scene.clone(), 0.0), &settings);
+        let black = painted(scene.clone(), 0.0);
+        let got = by_reflectance(&black, &settings);
+        let differences = Settings {
+            method: Method::Fd,
+            ..settings.clone()
+        };
+        let differences = by_reflectance(&black, &differences);
         let brightest = at_2.iter().copied().fold(0.0, f64::max);
         let rounding = 4.0 * 64.0 * f64::from(f32::EPSILON) * brightest / f64::from(STEP);
         let mut largest = 0.0f64;
@@ -79,6 +85,13 @@ fn slopes_at_zero() {
                 error <= rounding,
                 "{name}, number {i}: {} for {slope}",
                 got[i]
+            );
+            // Their step is a tenth of this one.
+            let error = (differences[i] - slope).abs();
+            assert!(
+                error <= 10.0 * rounding,
+                "{name}, number {i}: {} by differences for {slope}",
+                differences[i]
             );
         }
         assert!(largest > 100.0 * rounding, "{name} is dark");
