@@ -276,10 +276,11 @@ impl Object {
         })
     }
 
-    /// A number that may also be written as a grey `spectrum`.
+    /// A number that may also be written as a grey `spectrum`, or as a colour, whose mean is taken.
     pub fn number(&self, name: &str) -> Result<Option<f64>, SceneError> {
         self.get(name, "float", |v| match v {
             Value::Float(f) | Value::Grey(f) => Some(*f),
+            Value::Rgb([r, g, b]) => Some((r + g + b) / 3.0),
             Value::Integer(i) => Some(*i as f64),
             _ => None,
         })

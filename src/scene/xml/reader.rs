@@ -19,6 +19,8 @@ const MAX_INCLUDE_DEPTH: usize = 15;
 const MAX_INCLUDES: usize = 1000;
 /// Properties of one object: looking for a name twice among them is quadratic.
 const MAX_PROPERTIES: usize = 256;
+/// What editors leave behind between elements without showing it.
+const INVISIBLE: [char; 2] = ['\u{200b}', '\u{feff}'];
 /// XML nodes of one file.
 const MAX_NODES: u32 = 4_000_000;
 
@@ -207,12 +209,13 @@ impl Reader<'_> {
         for child in node.children() {
             if child.is_element() {
                 self.element(file, child, parent, depth + 1)?;
-            } else if child.is_text() && !child.text().unwrap_or_default().trim().is_empty() {
-                let what = format!(
-                    "stray text \"{}\" between elements",
-                    shown(child.text().unwrap_or_default().trim())
-                );
-                return Err(SceneError::at(&file.place(&child), what));
+            } else if child.is_text() {
+                let text = child.text().unwrap_or_default();
+                let text = text.trim_matches(|c: char| c.is_whitespace() || INVISIBLE.contains(&c));
+                if !text.is_empty() {
+                    let what = format!("stray text \"{}\" between elements", shown(text));
+                    return Err(SceneError::at(&file.place(&child), what));
+                }
             }
         }
         Ok(())

@@ -106,3 +106,26 @@ fn numbers_of_samples_matter_where_they_leave_light_out() {
     let refused = direct("<emitter type=\"point\"/>").unwrap_err().to_string();
     assert!(refused.contains("emitter_samples"), "{refused}");
 }
+
+/// As Mitsuba 3.9.1 renders them.
+#[test]
+fn a_colour_for_a_number_is_its_mean() {
+    let scene = scene(
+        "<bsdf type=\"principled\" id=\"paint\">\
+           <rgb name=\"metallic\" value=\"0.5, 0.25, 0\"/></bsdf>\
+         <bsdf type=\"mask\" id=\"veil\"><rgb name=\"opacity\" value=\"0.25, 0.5, 0.75\"/>\
+           <ref id=\"paint\"/></bsdf>\
+         <shape type=\"cube\"><ref id=\"veil\"/></shape>",
+    );
+    for (key, mean) in [("veil.opacity", 0.5), ("paint.metallic", 0.25)] {
+        let texture = scene.textures.iter().find(|t| t.key == key);
+        let texture = texture.expect("a texture");
+        assert_eq!(texture.texels, [[mean; 3]], "{key}");
+    }
+}
+
+#[test]
+fn what_editors_leave_unseen_is_no_text() {
+    let scene = scene("<shape type=\"cube\"/>\u{200b}<emitter type=\"constant\"/>\u{feff}");
+    assert_eq!(scene.meshes.len(), 1);
+}
