@@ -6,6 +6,7 @@ use super::log::Log;
 use super::progress::StageProgress;
 use super::report::{Report, SceneReport};
 use super::signals::Signals;
+use crate::jobs::id::REPORT;
 use crate::jobs::machine;
 use crate::jobs::settings::{self, RequestedSettings};
 use crate::methods::{EngineError, Method, Progress, Settings, Statistics};
@@ -169,14 +170,14 @@ impl Session {
         for note in &self.report.notes {
             self.log.note(note);
         }
-        self.report.files.push("report.json".into());
+        self.report.files.push(REPORT.into());
         self.report.peak_memory_bytes = machine::peak();
         self.report
             .spend("total", self.started.elapsed().as_secs_f64());
         let text = serde_json::to_string_pretty(&self.report)
             .map_err(|error| Failure::System(error.to_string()))?
             + "\n";
-        atomic::write(&self.directory.join("report.json"), |file| {
+        atomic::write(&self.directory.join(REPORT), |file| {
             file.write_all(text.as_bytes())
         })?;
         let seconds = self.started.elapsed().as_secs_f64();
@@ -198,9 +199,18 @@ impl Session {
         self.json
     }
 
+    /// Takes away what an earlier run has found, before this one finds anything.
+    pub fn take_away(&mut self, name: &str) -> Result<(), Failure> {
+        self.prepare_directory()?;
+        Ok(atomic::take_away(&self.directory.join(name))?)
+    }
+
+    /// From here on the folder is this run's. A report in it always tells of the files beside it, so
+    /// that of an earlier run goes before the first of them is written over.
     fn prepare_directory(&mut self) -> Result<(), Failure> {
         if !self.directory_is_ready {
             atomic::prepare_directory(&self.directory)?;
+            atomic::take_away(&self.directory.join(REPORT))?;
             self.directory_is_ready = true;
         }
         Ok(())

@@ -62,6 +62,18 @@ pub fn prepare_directory(directory: &Path) -> Result<(), FileError> {
         })
 }
 
+/// Takes away what an earlier run has left under a name that this run will write when it is through:
+/// if it does not come to that, nobody shall take the old file for its own.
+pub fn take_away(path: &Path) -> Result<(), FileError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FileError::io(
+            path,
+            format_args!("an earlier run's cannot be taken away: {}", plain(&error)),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Takes away what processes that were killed had begun to write in a folder, which nobody else may
 /// be writing into. What cannot be removed is in nobody's way.
 pub fn sweep(directory: &Path) {

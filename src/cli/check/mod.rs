@@ -11,7 +11,7 @@ use super::session::{self, Session};
 use crate::jobs::direction;
 use crate::scene::Filter;
 use crate::statistics::comparison::Comparison;
-use report::{conclude, write_images};
+use report::{FOUND, conclude, write_images};
 use runs::{Check, MOST_RUNS, PICTURE_ROUNDING};
 use std::ffi::OsString;
 use verdict::{Circumstances, Outcome, SIGNIFICANT, judge};
@@ -42,6 +42,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         ));
     }
     let mut check = Check::new(session, settings, direction);
+    check.session.take_away(FOUND)?;
     check.ask_pilot()?;
     check.announce();
     let first = check.run_tested()?;

@@ -9,6 +9,9 @@ use crate::statistics::replicates::Replicates;
 use serde_json::json;
 use std::io::Write;
 
+/// The file with all that was found.
+pub const FOUND: &str = "check.json";
+
 /// One scale for the two gradients, so that equal colours are equal numbers.
 pub fn write_images(
     session: &mut Session,
@@ -38,13 +41,14 @@ pub fn conclude(
         session.warn(doubt.clone());
     }
     let found = json!({
+        "method": session.report.method,
         "verdict": verdict,
         "tolerance": tolerance,
         "forward_against_backward": transposition,
         "forward_against_fd": comparison,
     });
     let text = format!("{found:#}\n");
-    session.write("check.json", |path| {
+    session.write(FOUND, |path| {
         atomic::write(path, |file| file.write_all(text.as_bytes()))
     })?;
     session.report.results.insert("check".into(), found);

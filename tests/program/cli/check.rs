@@ -44,6 +44,7 @@ fn what_is_right_passes() {
         let (code, found, said) = check(&format!("--param {parameter}"));
         assert_eq!(code, Some(0), "{parameter}: {said}");
         assert_eq!(found["verdict"]["agrees"], true);
+        assert_eq!(found["method"], "auto");
         assert!(
             said.contains("auto agrees with finite differences"),
             "{said}"
@@ -58,6 +59,7 @@ fn what_ignores_visibility_fails_where_something_moves() {
         let (code, found, said) = check(&format!("--method interior --param {parameter}"));
         assert_eq!(code, Some(1), "{parameter}: {said}");
         assert_eq!(found["verdict"]["agrees"], false);
+        assert_eq!(found["method"], "interior");
         assert!(said.contains("interior ignores visibility"), "{said}");
     }
 }

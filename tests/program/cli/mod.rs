@@ -4,6 +4,7 @@ mod bad_input;
 mod bench;
 mod broken_scenes;
 mod check;
+mod earlier_runs;
 mod irregular;
 mod large_numbers;
 mod large_scenes;
