@@ -359,7 +359,7 @@ pub struct OptimizeArguments {
     /// Goes on from the checkpoint in the directory
     #[arg(long)]
     pub resume: bool,
-    /// Begins anew though the directory has a checkpoint
+    /// Begins anew though the directory has a checkpoint, whose run's files are taken away
     #[arg(long, conflicts_with = "resume")]
     pub fresh: bool,
     /// Threads [default: the cores this process may use]

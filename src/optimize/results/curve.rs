@@ -9,16 +9,15 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
+pub const CSV: &str = "loss.csv";
+pub const SVG: &str = "loss.svg";
+
 /// Writes both.
 pub fn write(directory: &Path, problem: &Problem, state: &State) -> Result<(), Failure> {
     let text = csv(problem, &state.history);
-    atomic::write(&directory.join("loss.csv"), |file| {
-        file.write_all(text.as_bytes())
-    })?;
+    atomic::write(&directory.join(CSV), |file| file.write_all(text.as_bytes()))?;
     let text = svg(&state.history);
-    atomic::write(&directory.join("loss.svg"), |file| {
-        file.write_all(text.as_bytes())
-    })?;
+    atomic::write(&directory.join(SVG), |file| file.write_all(text.as_bytes()))?;
     Ok(())
 }
 

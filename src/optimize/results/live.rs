@@ -2,7 +2,6 @@
 
 use super::page::{self, Figure};
 use super::strip::Strip;
-use super::text::plain;
 use super::{curve, errors};
 use crate::jobs::failure::Failure;
 use crate::optimize::problem::Problem;
@@ -57,7 +56,7 @@ impl Live {
             let factor = view.target.width / newest.width.max(1);
             let (target, weights) = problem.counted(view, factor.max(1));
             let png = Strip::new([first, newest, &target], weights.as_deref()).png()?;
-            let name = format!("view-{}.png", plain(&view.name));
+            let name = page::of_view(&view.name);
             atomic::write(&self.directory.join(name), |file| file.write_all(&png))?;
             figures.push(Figure {
                 caption: format!("{}: start, now, target, difference", view.name),
@@ -66,7 +65,7 @@ impl Live {
         }
         let errors = errors::all(problem, state);
         let html = page::html(problem, state, &figures, &errors, &[], true);
-        atomic::write(&self.directory.join("index.html"), |file| {
+        atomic::write(&self.directory.join(page::NAME), |file| {
             file.write_all(html.as_bytes())
         })?;
         Ok(())

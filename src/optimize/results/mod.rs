@@ -79,7 +79,7 @@ pub fn finish(
     progress: &dyn Progress,
 ) -> Result<Written, Failure> {
     let mut out = Written {
-        files: ["checkpoint.bin", "loss.csv", "loss.svg"]
+        files: ["checkpoint.bin", curve::CSV, curve::SVG]
             .map(String::from)
             .to_vec(),
         errors: errors::all(problem, state),
@@ -118,7 +118,7 @@ pub fn finish(
     }
     let known = out.known();
     let html = page::html(problem, state, &figures, &out.errors, &known, false);
-    write(directory, "index.html", html.as_bytes(), &mut out)?;
+    write(directory, page::NAME, html.as_bytes(), &mut out)?;
     Ok(out)
 }
 
@@ -158,7 +158,7 @@ fn strips(
         let (target, weights) = problem.counted(view, 1);
         let images = [&start[number], &now[number], &target];
         let strip = Strip::new(images, weights.as_deref()).png()?;
-        let name = format!("view-{}.png", plain(&view.name));
+        let name = page::of_view(&view.name);
         write(directory, &name, &strip, out)?;
         let is_held_out = number >= problem.views.len();
         if is_held_out {

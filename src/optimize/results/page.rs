@@ -2,11 +2,14 @@
 
 use super::curve;
 use super::errors::ParameterError;
+use super::text::plain;
 use crate::optimize::problem::Problem;
 use crate::optimize::run::state::State;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
+
+pub const NAME: &str = "index.html";
 
 /// Seconds between two looks of a page whose run goes on.
 const REFRESH_SECONDS: u32 = 5;
@@ -15,6 +18,20 @@ const REFRESH_SECONDS: u32 = 5;
 pub struct Figure {
     pub caption: String,
     pub png: Vec<u8>,
+}
+
+/// The file of a view's picture. Views begin with their number.
+pub fn of_view(view: &str) -> String {
+    format!("view-{}.png", plain(view))
+}
+
+/// Whether a file's name is one of [`of_view`]'s.
+pub fn is_view(name: &str) -> bool {
+    let view = name
+        .strip_prefix("view-")
+        .and_then(|n| n.strip_suffix(".png"));
+    let number = view.and_then(|view| view.split_once('_')).map(|(n, _)| n);
+    number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 const STYLE: &str = "

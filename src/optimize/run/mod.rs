@@ -2,6 +2,7 @@
 
 pub mod advance;
 pub mod checkpoint;
+mod folder;
 mod order;
 pub mod record;
 pub mod state;

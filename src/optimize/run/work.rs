@@ -2,6 +2,7 @@
 
 use super::advance::advance;
 use super::checkpoint;
+use super::folder;
 use super::record::Record;
 use super::state::State;
 use crate::jobs::failure::Failure;
@@ -14,9 +15,9 @@ use crate::optimize::results::colours::ColourDistance;
 use crate::optimize::results::errors::ParameterError;
 use crate::optimize::results::geometry::Distance;
 use crate::optimize::step::{Ranks, outcome};
-use crate::output::atomic;
 use crate::trace::Backend;
 use serde::Serialize;
+use std::fs::File;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -105,6 +106,8 @@ pub struct Summary {
     /// PSNR in decibels of views that were held out, by name.
     pub held_out: Vec<(String, f64)>,
     pub pilot: Option<Pilot>,
+    /// The folder is this run's until its report is written.
+    pub claim: Option<File>,
 }
 
 struct Quiet<'a>(&'a dyn Watch);
@@ -141,17 +144,16 @@ fn whole(
     let mut meter = Meter::start();
     let loaded = load(config, options, ranks, &progress);
     ranks.agree(outcome(&loaded), &|| {
-        loaded.as_ref().map_or(0, |(problem, state)| {
+        loaded.as_ref().map_or(0, |(problem, state, _)| {
             problem.config.hash ^ problem.base.scene.hash ^ state.fingerprint()
         })
     })?;
-    let (mut problem, mut state) = loaded?;
+    let (mut problem, mut state, claim) = loaded?;
     for warning in &problem.warnings {
         watch.warn(warning);
     }
     if ranks.writes() {
-        atomic::sweep(&options.directory);
-        atomic::sweep(&options.directory.join("scene"));
+        folder::clear(&options.directory, options.fresh)?;
     }
     watch.begin(state.step, problem.config.steps);
     let (setup, first_step) = (meter.part(), state.step);
@@ -207,6 +209,7 @@ fn whole(
         scene_hash: problem.base.scene.hash,
         pilot: problem.pilot.clone(),
         held_out: written.held_out,
+        claim,
     })
 }
 
@@ -227,14 +230,15 @@ fn mean_loss(records: &[Record]) -> Option<f64> {
     (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
 }
 
-/// The scene, the views and the state to begin with, and the folder to write into.
+/// The scene, the views and the state to begin with, and the claim on the folder of who writes.
 fn load(
     config: Config,
     options: &Options,
     ranks: &dyn Ranks,
     progress: &dyn Progress,
-) -> Result<(Problem, State), Failure> {
-    check_folder(options)?;
+) -> Result<(Problem, State, Option<File>), Failure> {
+    let check = || folder::check(&options.directory, options.resume, options.fresh);
+    check()?;
     let failed = |error: EngineError| Failure::from_engine(error, None);
     let machine = Machine {
         workers: Workers::new(options.threads).map_err(failed)?,
@@ -242,31 +246,22 @@ fn load(
         backend: options.backend,
     };
     let mut problem = Problem::load(config, machine, progress)?;
-    let state = match options.resume {
-        true => checkpoint::read(&options.directory, &problem)?,
-        false => State::start(&problem)?,
+    let begun = match options.resume {
+        true => None,
+        false => Some(State::start(&problem)?),
+    };
+    let claim = match ranks.writes() {
+        true => Some(folder::claim(&options.directory)?),
+        false => None,
+    };
+    // Again: while the scene was loaded another run may have come and gone.
+    check()?;
+    let state = match begun {
+        Some(state) => state,
+        None => checkpoint::read(&options.directory, &problem)?,
     };
     problem.restore_meshes(&state)?;
-    if ranks.writes() {
-        atomic::prepare_directory(&options.directory)?;
-    }
-    Ok((problem, state))
-}
-
-/// A folder with the state of another run is not written over.
-fn check_folder(options: &Options) -> Result<(), Failure> {
-    let path = options.directory.join(checkpoint::NAME);
-    match (options.resume, path.exists()) {
-        (false, true) if !options.fresh => Err(Failure::Usage(format!(
-            "{} has the checkpoint of an earlier run; --resume goes on with it, -o takes another folder, --fresh begins anew",
-            options.directory.display()
-        ))),
-        (true, false) => Err(Failure::Input(format!(
-            "{}: there is no checkpoint to go on from; leave --resume out",
-            path.display()
-        ))),
-        _ => Ok(()),
-    }
+    Ok((problem, state, claim))
 }
 
 /// Makes steps until the last one, or until something ends them.

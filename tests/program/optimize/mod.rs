@@ -2,6 +2,7 @@
 
 mod bad_configs;
 mod convergence;
+mod folders;
 mod photographs;
 mod ranks;
 mod results;
