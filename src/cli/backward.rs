@@ -31,6 +31,7 @@ pub fn run(arguments: &BackwardArguments, typed: &[OsString]) -> Result<(), Fail
         (None, Loss::L1) => Objective::L1(&image),
         (None, Loss::L2) => Objective::L2(&image),
     };
+    session.warn_of_one_group();
     let settings = session.settings.clone();
     let done = session.trace(
         "backward",

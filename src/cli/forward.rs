@@ -27,6 +27,7 @@ pub fn run(arguments: &ForwardArguments, typed: &[OsString]) -> Result<(), Failu
     if direction::is_zero(&direction) {
         session.warn("the tangent is zero, and so is the gradient".into());
     }
+    session.warn_of_one_group();
     let settings = session.settings.clone();
     let done = session.trace(
         "forward",

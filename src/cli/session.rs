@@ -141,6 +141,16 @@ impl Session {
         Ok(())
     }
 
+    /// Standard errors are spreads of groups of samples, and one sample is one group.
+    pub fn warn_of_one_group(&mut self) {
+        if self.settings.standard_error && self.settings.groups().count < 2 {
+            self.warn(
+                "with one sample a pixel there are no standard errors: raise --spp, or say --no-stderr"
+                    .into(),
+            );
+        }
+    }
+
     /// A file of an earlier run that would now be taken for a part of this one's results.
     pub fn warn_of_leftover(&mut self, name: &str) {
         let path = self.directory.join(name);

@@ -124,6 +124,32 @@ fn the_report_tells_what_was_done() {
     }
 }
 
+/// One sample a pixel is one group, which has no spread: whoever wants standard errors hears of it.
+#[test]
+fn standard_errors_that_cannot_be_told_are_warned_about() {
+    let directory = workplace();
+    let warning = "with one sample a pixel there are no standard errors: raise --spp";
+    let backward = "backward s.xml --param floor.translation --target target.npy";
+    for line in ["forward s.xml --param floor.translation=1,0,0", backward] {
+        for (rest, is_warned) in [
+            ("--spp 1", true),
+            ("--spp 2", false),
+            ("--spp 1 --no-stderr", false),
+        ] {
+            let line = format!("{line} {rest} -o out");
+            let out = warpath(directory.path(), &typed(&line));
+            let message = text(&out.stderr);
+            assert_eq!(out.status.code(), Some(0), "{line}: {message}");
+            assert_eq!(message.contains(warning), is_warned, "{line}: {message}");
+            let report = std::fs::read(directory.path().join("out/report.json")).unwrap();
+            let report: Value = serde_json::from_slice(&report).unwrap();
+            let is_told = report["warnings"].to_string().contains(warning);
+            assert_eq!(is_told, is_warned, "{line}: {report}");
+            std::fs::remove_dir_all(directory.path().join("out")).unwrap();
+        }
+    }
+}
+
 /// Both modes use the same samples: their results are the same number.
 #[test]
 fn backward_is_the_transpose_of_forward() {
