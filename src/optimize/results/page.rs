@@ -83,6 +83,9 @@ pub fn html(
     let what = match (is_running, &state.ended) {
         (true, _) => "running; this page looks again by itself".to_string(),
         (false, Some(why)) => format!("ended before the last step: {}", escaped(why)),
+        (false, None) if state.step < config.steps => {
+            "interrupted; --resume goes on with it".to_string()
+        }
         (false, None) => "done".to_string(),
     };
     let _ = write!(text, "<p class=\"state\">{what}</p>");

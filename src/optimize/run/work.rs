@@ -14,6 +14,7 @@ use crate::optimize::results;
 use crate::optimize::results::colours::ColourDistance;
 use crate::optimize::results::errors::ParameterError;
 use crate::optimize::results::geometry::Distance;
+use crate::optimize::results::live::Live;
 use crate::optimize::step::{Ranks, outcome};
 use crate::trace::Backend;
 use serde::Serialize;
@@ -273,9 +274,27 @@ fn steps(
     watch: &dyn Watch,
     statistics: &mut Statistics,
 ) -> Result<(), Failure> {
+    let mut seen = Live::new(&options.directory);
+    let ended = shown_steps(problem, state, options, ranks, watch, statistics, &mut seen);
+    if ended.is_err() && ranks.writes() {
+        // The page must not go on looking for more. What ended the steps is what to tell.
+        let _ = seen.write(problem, state, false);
+    }
+    ended
+}
+
+/// The same, with what is shown of them on the way.
+fn shown_steps(
+    problem: &mut Problem,
+    state: &mut State,
+    options: &Options,
+    ranks: &dyn Ranks,
+    watch: &dyn Watch,
+    statistics: &mut Statistics,
+    seen: &mut Live,
+) -> Result<(), Failure> {
     let progress = Quiet(watch);
     let total = problem.config.steps;
-    let mut seen = results::live::Live::new(&options.directory);
     while state.step < total && state.ended.is_none() {
         let wanted = match watch.signal() {
             Some(signal) => Err(Failure::Interrupted(signal)),
@@ -300,8 +319,12 @@ fn steps(
         }
         let start = Instant::now();
         seen.keep(&found.images);
-        if output.pictures_every > 0 && state.step.is_multiple_of(output.pictures_every) {
-            seen.write(problem, state)?;
+        let is_due = match output.pictures_every {
+            0 => seen.is_due(),
+            every => state.step.is_multiple_of(every),
+        };
+        if is_due {
+            seen.write(problem, state, true)?;
         }
         statistics.add_seconds("write", start);
     }

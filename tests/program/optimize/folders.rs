@@ -1,7 +1,7 @@
-//! The folder of a run: one run at a time, and nothing of an earlier one.
+//! The folder of a run: one run at a time, nothing of an earlier one, and a page while it goes on.
 
 use super::{CONFIG, optimize};
-use crate::workplace::workplace;
+use crate::workplace::{signal, workplace};
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -134,4 +134,28 @@ fn a_run_that_goes_on_has_no_report_until_it_ends() {
     let is_gone = comes(|| !at.join("out/report.json").exists());
     drop(second);
     assert!(is_gone);
+}
+
+#[test]
+fn the_page_shows_a_run_that_goes_on() {
+    let directory = workplace();
+    let at = directory.path();
+    std::fs::write(at.join("c.toml"), endless()).unwrap();
+    let running = Running::start(at, "c.toml", &[]);
+    let page = || std::fs::read_to_string(at.join("out/index.html")).unwrap_or_default();
+    let comes_up = comes(|| page().ends_with("</html>\n"));
+    let first = page();
+    let goes_on = comes(|| page() != first);
+    assert!(at.join("out/loss.csv").exists());
+    signal(running.0.id(), "TERM");
+    let (code, said) = running.end();
+    assert_eq!(code, Some(143), "{said}");
+    assert!(comes_up && first.contains("running; this page looks again by itself"));
+    assert!(first.contains("data:image/png;base64,"));
+    assert!(goes_on);
+    let last = page();
+    assert!(
+        last.contains("interrupted") && !last.contains("refresh"),
+        "{last}"
+    );
 }
