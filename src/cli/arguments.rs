@@ -356,7 +356,7 @@ pub struct OptimizeArguments {
     /// Directory for the files [default: out/optimize-CONFIG]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Goes on from the checkpoint in the directory
+    /// Goes on from the checkpoint in the directory, or begins if there is none
     #[arg(long)]
     pub resume: bool,
     /// Begins anew though the directory has a checkpoint, whose run's files are taken away

@@ -50,6 +50,16 @@ impl Failure {
         }
     }
 
+    /// The same, with the place at which it was found before it.
+    pub fn at(self, place: &str) -> Self {
+        let at = |what: String| format!("{place}: {what}");
+        match self {
+            Failure::Input(what) => Failure::Input(at(what)),
+            Failure::System(what) => Failure::System(at(what)),
+            other => other,
+        }
+    }
+
     /// What the engine said, given the signal that may have stopped it.
     pub fn from_engine(error: EngineError, signal: Option<u8>) -> Self {
         match error {

@@ -111,9 +111,7 @@ impl Variable {
             Some(Start::File(file)) => {
                 let read = NumberFile::open(file, &self.parameter, key)
                     .and_then(|opened| opened.read(&self.parameter, key))
-                    .map_err(|error| {
-                        Failure::Input(format!("{}: start: {error}", self.settings.place))
-                    })?;
+                    .map_err(|error| error.at("start").at(&self.settings.place))?;
                 read.iter().map(|&v| f64::from(v)).collect()
             }
         };

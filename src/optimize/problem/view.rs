@@ -93,9 +93,10 @@ pub fn read(
 ) -> Result<View, Failure> {
     let sensor = &scene.sensors[wanted.sensor];
     let wrong = |what: String| Failure::Input(format!("{}: {what}", wanted.place));
+    let unread = |error: Failure| error.at(&wanted.place);
     let (target, resolution) = match &wanted.target {
         Some(file) => {
-            let image = pictures::image(file).map_err(|error| wrong(error.to_string()))?;
+            let image = pictures::image(file).map_err(unread)?;
             let own = [image.width as u32, image.height as u32];
             if let Some(size) = resolution.filter(|size| *size != own) {
                 let what = format!(
@@ -129,12 +130,8 @@ pub fn read(
     let size = [target.width, target.height];
     let mask = match (&wanted.mask, &wanted.target) {
         (None, _) => None,
-        (Some(MaskFrom::File(file)), _) => {
-            Some(pictures::mask(file, size).map_err(|error| wrong(error.to_string()))?)
-        }
-        (Some(MaskFrom::Alpha), Some(file)) => {
-            Some(pictures::alpha(file, size).map_err(|error| wrong(error.to_string()))?)
-        }
+        (Some(MaskFrom::File(file)), _) => Some(pictures::mask(file, size).map_err(unread)?),
+        (Some(MaskFrom::Alpha), Some(file)) => Some(pictures::alpha(file, size).map_err(unread)?),
         (Some(MaskFrom::Alpha), None) => {
             return Err(wrong(
                 "a rendered target has no alpha; take the mask out".into(),

@@ -107,15 +107,18 @@ fn hash_of(bytes: &[u8]) -> u64 {
 pub fn read(directory: &Path, problem: &Problem) -> Result<State, Failure> {
     let path = directory.join(NAME);
     let bytes = files::read(&path).map_err(|error| FileError::unread(&path, &error))?;
-    decode(&bytes, problem).map_err(|what| Failure::Input(format!("{}: {what}", path.display())))
+    let said = |what: String| format!("{}: {what}", path.display());
+    let (header, numbers) = header(&bytes).map_err(|what| Failure::Input(said(what)))?;
+    refuse_other(&header, problem).map_err(|what| Failure::Usage(said(what)))?;
+    decode(header, numbers, problem).map_err(|what| Failure::Input(said(what)))
 }
 
 fn broken() -> String {
     "not a whole checkpoint; begin anew without --resume".to_string()
 }
 
-/// The header, and the bytes of the numbers, of a file that is whole and of this run.
-fn header<'a>(bytes: &'a [u8], problem: &Problem) -> Result<(Header, &'a [u8]), String> {
+/// The header, and the bytes of the numbers, of a file that is whole.
+fn header(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
     let (body, hash) = bytes
         .split_at_checked(bytes.len().saturating_sub(HASH_BYTES))
         .ok_or_else(broken)?;
@@ -124,7 +127,12 @@ fn header<'a>(bytes: &'a [u8], problem: &Problem) -> Result<(Header, &'a [u8]), 
         return Err(broken());
     }
     let line = body.iter().position(|b| *b == b'\n').ok_or_else(broken)?;
-    let header: Header = serde_json::from_slice(&body[..line]).map_err(|_| broken())?;
+    let header = serde_json::from_slice(&body[..line]).map_err(|_| broken())?;
+    Ok((header, &body[line + 1..]))
+}
+
+/// Says what a checkpoint is of that the run is not.
+fn refuse_other(header: &Header, problem: &Problem) -> Result<(), String> {
     let is = [
         (
             "program",
@@ -149,11 +157,10 @@ fn header<'a>(bytes: &'a [u8], problem: &Problem) -> Result<(Header, &'a [u8]), 
             ));
         }
     }
-    Ok((header, &body[line + 1..]))
+    Ok(())
 }
 
-fn decode(bytes: &[u8], problem: &Problem) -> Result<State, String> {
-    let (header, numbers) = header(bytes, problem)?;
+fn decode(header: Header, numbers: &[u8], problem: &Problem) -> Result<State, String> {
     let (chunks, rest) = numbers.as_chunks::<8>();
     let mut numbers = chunks.iter().map(|b| f64::from_le_bytes(*b));
     let mut take = |count: usize| -> Result<Vec<f64>, String> {

@@ -17,10 +17,6 @@ pub fn check(directory: &Path, resume: bool, fresh: bool) -> Result<(), Failure>
             "{} has the checkpoint of an earlier run; --resume goes on with it, -o takes another folder, --fresh begins anew",
             directory.display()
         ))),
-        false if resume && !has_state(directory) => Err(Failure::Input(format!(
-            "{}: there is no checkpoint to go on from; leave --resume out",
-            directory.join(checkpoint::NAME).display()
-        ))),
         false => Ok(()),
     }
 }

@@ -247,7 +247,8 @@ fn load(
         backend: options.backend,
     };
     let mut problem = Problem::load(config, machine, progress)?;
-    let begun = match options.resume {
+    // A script that may be started again says --resume from the first time on.
+    let begun = match options.resume && folder::has_state(&options.directory) {
         true => None,
         false => Some(State::start(&problem)?),
     };

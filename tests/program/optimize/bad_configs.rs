@@ -416,3 +416,31 @@ fn bad_overrides_are_wrong_usage_or_named() {
         );
     }
 }
+
+/// A link to itself is there and cannot be read by anybody, as a file that one may not read cannot
+/// by a user.
+#[cfg(unix)]
+#[test]
+fn what_the_system_does_not_let_be_read_is_no_bad_input() {
+    let directory = workplace();
+    let at = directory.path();
+    for name in ["loop.npy", "loop.png"] {
+        std::os::unix::fs::symlink(name, at.join(name)).unwrap();
+    }
+    let view = "[[view]]\nsensor = \"cam\"\ntarget =";
+    for (old, new) in [
+        ("start = [0.1, 0, 0]", "start = \"loop.npy\""),
+        (VIEWS, &format!("{view} \"loop.png\"")),
+        (
+            VIEWS,
+            &format!("{view} \"target.npy\"\nmask = \"loop.png\""),
+        ),
+    ] {
+        std::fs::write(at.join("bad.toml"), CONFIG.replacen(old, new, 1)).unwrap();
+        let (code, said) = optimize(at, "bad.toml", &["-o", "out"]);
+        assert_eq!(code, Some(4), "{new}: {said}");
+        let is_told = said.contains(": Too many levels of symbolic links");
+        assert!(is_told && has_place(&said), "{new}: {said}");
+    }
+    assert!(!at.join("out").exists());
+}

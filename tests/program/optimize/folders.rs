@@ -159,3 +159,15 @@ fn the_page_shows_a_run_that_goes_on() {
         "{last}"
     );
 }
+
+#[test]
+fn a_run_that_may_go_on_begins_where_there_is_nothing() {
+    let directory = workplace();
+    let at = directory.path();
+    std::fs::write(at.join("c.toml"), CONFIG).unwrap();
+    for folder in ["whole", "again"] {
+        let (code, said) = optimize(at, "c.toml", &["-o", folder, "-q", "--resume"]);
+        assert_eq!(code, Some(0), "{said}");
+    }
+    super::resume::same(&at.join("whole"), &at.join("again"));
+}
