@@ -6,6 +6,7 @@ use super::log::Log;
 use super::optimize_progress::OptimizeProgress;
 use super::session;
 use super::signals::Signals;
+use crate::jobs::id::REPORT;
 use crate::jobs::machine;
 use crate::optimize::config;
 use crate::optimize::run::{self, Options, Summary};
@@ -52,26 +53,24 @@ fn work(
     let progress = OptimizeProgress::new(log, Signals::watch(log));
     let done = run::run(config.clone(), &options, ranks, &progress);
     progress.finish();
-    let summary = done?;
+    let mut summary = done?;
     if !ranks.writes() {
         return Ok(());
     }
+    summary.files.push(REPORT.into());
     let mut report = report(&summary, &config, &options, typed);
     report["processes"] = ranks.count().into();
     let text = serde_json::to_string_pretty(&report)
         .map_err(|error| Failure::System(error.to_string()))?
         + "\n";
-    atomic::write(&options.directory.join("report.json"), |file| {
+    atomic::write(&options.directory.join(REPORT), |file| {
         file.write_all(text.as_bytes())
     })?;
     for line in lines(&summary) {
         log.note(&line);
     }
     let files = summary.files.join(", ");
-    log.note(&format!(
-        "{}: {files}, report.json",
-        options.directory.display()
-    ));
+    log.note(&format!("{}: {files}", options.directory.display()));
     if arguments.talk.json {
         let mut stdout = std::io::stdout().lock();
         stdout.write_all(text.as_bytes())?;

@@ -61,6 +61,15 @@ fn files_are_what_they_are_said_to_be() {
         let file = file.as_str().unwrap();
         assert!(at.join("out").join(file).exists(), "{file}");
     }
+    let of_folder = std::fs::read_dir(at.join("out")).unwrap();
+    for entry in of_folder.map(|entry| entry.unwrap()) {
+        let name = entry.file_name().into_string().unwrap();
+        let is_told = report["files"]
+            .as_array()
+            .unwrap()
+            .contains(&name.clone().into());
+        assert!(is_told || entry.path().is_dir(), "{name}: {report}");
+    }
     let csv = std::fs::read_to_string(at.join("out/loss.csv")).unwrap();
     assert_eq!(csv.lines().count(), 7);
     let columns = csv.lines().next().unwrap().split(',').count();
