@@ -75,6 +75,15 @@ pub fn is_misnamed(error: &io::Error) -> bool {
     )
 }
 
+/// The operating system's sentence without the error number that Rust appends.
+pub fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    match text.find(" (os error") {
+        Some(end) => text[..end].to_string(),
+        None => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

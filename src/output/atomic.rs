@@ -1,7 +1,8 @@
 //! Writing a file so that a reader, or a crash, never meets half of it.
 
-use super::error::{FileError, plain};
+use super::error::FileError;
 use super::unfinished::Unfinished;
+use crate::files::plain;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Why a file could not be written or read.
 
-use crate::files;
+use crate::files::{self, plain};
 use std::io;
 use std::path::PathBuf;
 
@@ -39,14 +39,5 @@ impl FileError {
             path: path.into(),
             what: what.to_string(),
         }
-    }
-}
-
-/// The operating system's sentence without the error number that Rust appends.
-pub fn plain(error: &io::Error) -> String {
-    let text = error.to_string();
-    match text.find(" (os error") {
-        Some(end) => text[..end].to_string(),
-        None => text,
     }
 }

@@ -15,4 +15,5 @@ pub mod results;
 pub mod tensors;
 pub mod unfinished;
 
-pub use error::{FileError, plain};
+pub use crate::files::plain;
+pub use error::FileError;

@@ -2,7 +2,7 @@
 
 use super::error::FileError;
 use super::npy::{self, Array, ArrayFile};
-use crate::files::Regular;
+use crate::files::{Regular, plain};
 use crate::picture::Image;
 use crate::picture::{self, ChannelNames, Colours, PictureError, Wanted};
 use std::path::{Path, PathBuf};
@@ -113,7 +113,7 @@ impl From<PictureError> for FileError {
     fn from(error: PictureError) -> Self {
         match error {
             PictureError::Contents { file, what } => FileError::contents(file, what),
-            PictureError::Io { file, source } => FileError::io(file, source),
+            PictureError::Io { file, source } => FileError::io(file, plain(&source)),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Why a picture could not be read.
 
-use crate::files;
+use crate::files::{self, plain};
 use crate::room::NoRoom;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub enum PictureError {
         what: String,
     },
     /// The file is there and cannot be read.
-    #[error("{}: {source}", .file.display())]
+    #[error("{}: {}", .file.display(), plain(.source))]
     Io {
         /// As it was named.
         file: PathBuf,

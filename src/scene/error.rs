@@ -1,5 +1,6 @@
 //! What can go wrong while a scene is loaded or a parameter is named, always with the place.
 
+use crate::files::plain;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
@@ -69,7 +70,7 @@ pub enum SceneError {
         what: String,
     },
     /// The file is there and cannot be read.
-    #[error("{file}: {source}")]
+    #[error("{file}: {}", plain(.source))]
     Io {
         /// The file, as it was found.
         file: String,

@@ -1,7 +1,7 @@
 //! Where scene and mesh files come from: the disk, or memory in tests and fuzzing.
 
 use super::error::SceneError;
-use crate::files;
+use crate::files::{self, plain};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ pub fn read_file(files: &dyn FileSource, path: &Path) -> Result<Vec<u8>, SceneEr
                 what: format!("{file}: not a regular file"),
             },
             io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename => SceneError::Missing {
-                what: format!("{file}: no such file ({source})"),
+                what: format!("{file}: no such file ({})", plain(&source)),
             },
             _ => SceneError::Io { file, source },
         }

@@ -154,3 +154,44 @@ fn a_place_that_cannot_be_written_is_told_before_anything_is_traced() {
         ],
     );
 }
+
+/// A link to itself is there and cannot be read by anybody, as a file that one may not read cannot
+/// by a user: the system's words are passed on without its number.
+#[cfg(unix)]
+#[test]
+fn what_the_system_says_is_told_in_words() {
+    let directory = workplace();
+    for name in ["loop.xml", "loop.npy", "loop.png"] {
+        std::os::unix::fs::symlink(name, directory.path().join(name)).unwrap();
+    }
+    let scene = crate::workplace::SCENE.replace(
+        r#"<rgb name="reflectance" value="0.2, 0.5, 0.1"/>"#,
+        r#"<texture type="bitmap" name="reflectance"><string name="filename" value="loop.png"/></texture>"#,
+    );
+    std::fs::write(directory.path().join("textured.xml"), scene).unwrap();
+    expect(
+        directory.path(),
+        &[
+            (
+                "render loop.xml",
+                4,
+                "error: loop.xml: Too many levels of symbolic links\n",
+            ),
+            (
+                "render textured.xml",
+                4,
+                "loop.png: Too many levels of symbolic links\n",
+            ),
+            (
+                "render a_file/s.xml",
+                3,
+                "error: a_file/s.xml: no such file (Not a directory)\n",
+            ),
+            (
+                "forward s.xml --param card.translation=@loop.npy",
+                4,
+                "loop.npy: Too many levels of symbolic links\n",
+            ),
+        ],
+    );
+}
