@@ -229,6 +229,7 @@ impl Session {
 
 /// Loads a scene, passing its warnings on.
 pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
+    refuse_doubled(&arguments.defines)?;
     let scene = scene::load(&arguments.scene, &arguments.defines)?;
     warn(&scene, arguments, log)?;
     Ok(scene)
@@ -236,9 +237,20 @@ pub fn load(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
 
 /// Loads what there is to list of a scene, even if it cannot be rendered.
 pub fn load_to_list(arguments: &SceneArguments, log: Log) -> Result<Scene, Failure> {
+    refuse_doubled(&arguments.defines)?;
     let scene = scene::load_to_list(&arguments.scene, &arguments.defines)?;
     warn(&scene, arguments, log)?;
     Ok(scene)
+}
+
+/// Of two values for one name, one would silently count for nothing.
+fn refuse_doubled(defines: &[(String, String)]) -> Result<(), Failure> {
+    for (at, (name, _)) in defines.iter().enumerate() {
+        if defines[..at].iter().any(|(other, _)| other == name) {
+            return Err(Failure::Usage(format!("-D {name} is given twice")));
+        }
+    }
+    Ok(())
 }
 
 fn warn(scene: &Scene, arguments: &SceneArguments, log: Log) -> Result<(), Failure> {

@@ -55,6 +55,16 @@ fn wrong_usage_is_told() {
             ("render s.xml --log-format xml", 2, "json"),
             ("render s.xml -D side", 2, "-D side=value"),
             ("render s.xml -D =8", 2, "-D name=value"),
+            (
+                "render s.xml -D side=16 -D count=4 -D side=8",
+                2,
+                "-D side is given twice",
+            ),
+            (
+                "params s.xml -D side=8 -D side=8",
+                2,
+                "-D side is given twice",
+            ),
             ("render s.xml --method reparam", 2, "--method"),
             ("forward s.xml", 2, "--param <KEY=TANGENT>"),
             (
