@@ -8,14 +8,16 @@ use crate::optimize::run::record::Record;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 /// The progress of an optimisation.
 pub struct OptimizeProgress {
     log: Log,
     signals: Signals,
-    bar: Option<ProgressBar>,
+    is_seen: bool,
+    /// Once it is known how much there is to do: a bar of no length is a full one.
+    bar: OnceLock<ProgressBar>,
     started: Instant,
     last: Mutex<Option<Instant>>,
 }
@@ -27,7 +29,8 @@ impl OptimizeProgress {
         Self {
             log,
             signals,
-            bar: is_seen.then(bar),
+            is_seen,
+            bar: OnceLock::new(),
             started: Instant::now(),
             last: Mutex::new(None),
         }
@@ -35,7 +38,7 @@ impl OptimizeProgress {
 
     /// Takes the bar away, leaving the terminal to the messages that follow.
     pub fn finish(&self) {
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
         }
     }
@@ -47,8 +50,8 @@ impl Watch for OptimizeProgress {
             self.log
                 .note(&format!("going on after step {done} of {total}"));
         }
-        if let Some(bar) = &self.bar {
-            bar.set_length(total);
+        if self.is_seen {
+            let bar = self.bar.get_or_init(|| bar(total));
             bar.set_position(done);
             bar.reset_eta();
         }
@@ -56,7 +59,7 @@ impl Watch for OptimizeProgress {
 
     fn stepped(&self, record: &Record, total: u64) {
         let done = record.step + 1;
-        if let Some(bar) = &self.bar {
+        if let Some(bar) = self.bar.get() {
             let loss = record
                 .loss
                 .map_or("not finite".into(), |v| format!("{v:.3e}"));
@@ -84,7 +87,7 @@ impl Watch for OptimizeProgress {
 
     fn warn(&self, text: &str) {
         let show = || self.log.warning(text);
-        match &self.bar {
+        match self.bar.get() {
             Some(bar) => bar.suspend(show),
             None => show(),
         }
@@ -95,8 +98,8 @@ impl Watch for OptimizeProgress {
     }
 }
 
-fn bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+fn bar(total: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len}  {msg}  {eta} left") {
         bar.set_style(style);
     }

@@ -7,7 +7,7 @@ use crate::methods::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Between two JSON events.
@@ -25,7 +25,8 @@ pub struct StageProgress {
 
 enum Show {
     Nothing,
-    Bar(ProgressBar),
+    /// Once it is known how much there is to do: a bar of no length is a full one.
+    Bar(OnceLock<ProgressBar>),
     Events(Log, Mutex<Instant>),
 }
 
@@ -37,7 +38,7 @@ impl StageProgress {
         } else if log.is_json() {
             Show::Events(log, Mutex::new(Instant::now()))
         } else if std::io::stderr().is_terminal() {
-            Show::Bar(bar(stage, rest_seconds))
+            Show::Bar(OnceLock::new())
         } else {
             Show::Nothing
         };
@@ -52,16 +53,28 @@ impl StageProgress {
 
     /// Shows something else while the bar is out of the way.
     pub fn beside(&self, show: impl FnOnce()) {
-        match &self.show {
-            Show::Bar(bar) => bar.suspend(show),
-            _ => show(),
+        match self.bar() {
+            Some(bar) => bar.suspend(show),
+            None => show(),
         }
     }
 
     /// Takes the bar away, leaving the terminal to the messages that follow.
     pub fn finish(self) {
-        if let Show::Bar(bar) = &self.show {
+        self.clear();
+    }
+
+    fn clear(&self) {
+        if let Some(bar) = self.bar() {
             bar.finish_and_clear();
+        }
+    }
+
+    /// The bar, if one is to be seen.
+    fn bar(&self) -> Option<&ProgressBar> {
+        match &self.show {
+            Show::Bar(bar) => bar.get(),
+            _ => None,
         }
     }
 
@@ -86,6 +99,7 @@ impl Progress for StageProgress {
         match &self.show {
             Show::Nothing => {}
             Show::Bar(bar) => {
+                let bar = bar.get_or_init(|| self::bar(self.stage, total, self.rest_seconds));
                 bar.set_length(total);
                 bar.set_position(done);
             }
@@ -110,14 +124,12 @@ impl Progress for StageProgress {
 impl Drop for StageProgress {
     /// An error on the way must not leave half a bar under its message.
     fn drop(&mut self) {
-        if let Show::Bar(bar) = &self.show {
-            bar.finish_and_clear();
-        }
+        self.clear();
     }
 }
 
-fn bar(stage: &'static str, rest_seconds: f64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+fn bar(stage: &'static str, total: u64, rest_seconds: f64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
     let template = "{msg:>9} {wide_bar} {percent:>3} %  {per_sec}  {eta} left{prefix}";
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);

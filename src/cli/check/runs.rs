@@ -32,6 +32,8 @@ pub struct Check {
     pub tested: Replicates,
     pub reference: Replicates,
     pace: Pace,
+    /// How long it was last said to take.
+    told: Option<String>,
 }
 
 impl Check {
@@ -44,6 +46,7 @@ impl Check {
             tested: Replicates::default(),
             reference: Replicates::default(),
             pace: Pace::default(),
+            told: None,
         }
     }
 
@@ -87,13 +90,15 @@ impl Check {
         Ok(())
     }
 
-    /// Says how long the rest takes, if that is known.
-    pub fn tell_time(&self) {
-        if let Some(time) = self.pace.time_left() {
+    /// Says how long the rest takes, if that is known and no news.
+    pub fn tell_time(&mut self) {
+        let time = self.pace.time_left();
+        if let Some(time) = time.as_ref().filter(|_| time != self.told) {
             self.session
                 .log
                 .note(&format!("{time} left, without more runs for noise"));
         }
+        self.told = time;
     }
 
     /// Does what is planned.

@@ -169,4 +169,12 @@ fn how_much_there_is_to_do_is_said_before_and_how_long_after_the_first_run() {
             .ends_with(" left, without more runs for noise"),
         "{message}"
     );
+    // It is told again once finite differences were seen to take another time, not otherwise.
+    let mut told: Vec<&str> = message
+        .lines()
+        .filter(|line| line.ends_with(" left, without more runs for noise"))
+        .collect();
+    let count = told.len();
+    told.dedup();
+    assert_eq!(told.len(), count, "{message}");
 }

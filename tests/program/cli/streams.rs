@@ -200,3 +200,34 @@ fn params_prints_a_table_or_json() {
     let colour = &find("floor.bsdf.reflectance.value")["value"];
     assert_eq!(*colour, serde_json::json!([0.2, 0.5, 0.1]));
 }
+
+/// Before anything is done, a bar of an unknown length would be a full one.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_bar_on_a_terminal_does_not_begin_full() {
+    let directory = workplace();
+    let line = format!(
+        "{} render s.xml --resolution 256x256 --spp 64 -t 1 -o out",
+        env!("CARGO_BIN_EXE_warpath")
+    );
+    let out = Command::new("script")
+        .args(["-qec", &line, "/dev/null"])
+        .current_dir(directory.path())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let shown = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{shown}");
+    let shares = shown.match_indices(" %").map(|(at, _)| {
+        let before = shown[..at].rsplit(' ').next();
+        before
+            .and_then(|n| n.parse::<u32>().ok())
+            .expect("a number")
+    });
+    let shares: Vec<u32> = shares.collect();
+    assert!(
+        shares.first().is_some_and(|share| *share < 100),
+        "{shares:?}"
+    );
+    assert!(shares.is_sorted(), "{shares:?}");
+}
