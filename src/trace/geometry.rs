@@ -5,7 +5,6 @@ use super::pattern::Pattern;
 use crate::lanes::{LANES, Lane, V3};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
-use rayon::slice::ParallelSliceMut;
 
 /// No triangle: the ray hit nothing.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -92,7 +91,9 @@ impl Geometry {
         point.abs().max_element() + f64::from(self.unit)
     }
 
-    /// For each vertex of a mesh the first one at its position.
+    /// For each vertex of a mesh the first one at its position. It is also found while tiles are
+    /// traced, when first asked for: this thread sorts alone, since one that waits for others to
+    /// sort begins another tile, which would wait for what is only half found.
     pub fn welded(&self, mesh: usize) -> Vec<u32> {
         let (v0, v1) = (self.first_vertex[mesh], self.first_vertex[mesh + 1]);
         // Adding zero makes −0 and 0 one position.
@@ -102,7 +103,7 @@ impl Geometry {
                 .map(f32::to_bits)
         };
         let mut order: Vec<u32> = (v0..v1).collect();
-        order.par_sort_unstable_by_key(|&v| (bits(v), v));
+        order.sort_unstable_by_key(|&v| (bits(v), v));
         let mut welded = vec![0; order.len()];
         for same in order.chunk_by(|&a, &b| bits(a) == bits(b)) {
             for &v in same {
@@ -179,4 +180,67 @@ pub fn gather(corners: &[[u32; 3]; LANES], of: impl Fn(u32, usize) -> Vec3) -> [
             z: Lane::new(z),
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::time::Duration;
+
+    thread_local! {
+        static WELDS: Cell<bool> = const { Cell::new(false) };
+    }
+
+    /// A band of two triangles a square, each vertex of which stands there twice.
+    fn band(squares: u32) -> Geometry {
+        let corner = |v: u32| Vec3::new((v / 4) as f32, (v % 2) as f32, 0.0);
+        let square = |i: u32| {
+            [
+                [4 * i, 4 * i + 1, 4 * i + 4],
+                [4 * i + 3, 4 * i + 5, 4 * i + 6],
+            ]
+        };
+        Geometry {
+            positions: (0..4 * (squares + 1)).map(corner).collect(),
+            origin: Vec3::ZERO,
+            triangles: (0..squares).flat_map(square).collect(),
+            mesh_of_triangle: vec![0; 2 * squares as usize],
+            first_vertex: vec![0, 4 * (squares + 1)],
+            first_triangle: vec![0, 2 * squares],
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            smooth: vec![false],
+            patterns: vec![None],
+            unit: 1.0,
+        }
+    }
+
+    /// Others have always something to do, and help whoever sorts with help.
+    #[test]
+    fn a_thread_that_welds_begins_nothing_else() {
+        const JOBS: u32 = 10_000;
+        const WELDED: u32 = 20;
+        let geometry = band(100_000);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build();
+        let begun = AtomicU32::new(0);
+        pool.unwrap().scope(|scope| {
+            for job in 0..JOBS {
+                let (geometry, begun) = (&geometry, &begun);
+                scope.spawn(move |_| {
+                    begun.fetch_add(u32::from(WELDS.get()), Ordering::Relaxed);
+                    if job % (JOBS / WELDED) == 0 {
+                        WELDS.set(true);
+                        let welded = geometry.welded(0);
+                        assert!(welded.iter().enumerate().all(|(v, &w)| w == v as u32 & !2));
+                        WELDS.set(false);
+                    } else {
+                        std::thread::sleep(Duration::from_micros(10));
+                    }
+                });
+            }
+        });
+        assert_eq!(begun.into_inner(), 0);
+    }
 }
