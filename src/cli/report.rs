@@ -28,7 +28,7 @@ pub struct Report {
     /// `total` is the whole run.
     pub seconds: BTreeMap<String, f64>,
     pub rays: BTreeMap<String, u64>,
-    /// Cells of the sampling lattices between whose ends a silhouette was found.
+    /// Samples of borders that were found: pieces of outlines, chains, ends of shadows.
     pub silhouettes: u64,
     pub rejected: BTreeMap<String, u64>,
     /// See [`Statistics::largest_parts`].

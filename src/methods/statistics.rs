@@ -13,7 +13,7 @@ use std::time::Instant;
 pub struct Statistics {
     /// Rays traced, by kind: camera, shadow, bounce, …
     pub rays: BTreeMap<&'static str, u64>,
-    /// Cells between whose ends a silhouette was found.
+    /// Samples of borders that were found: see [`Counts::resolved`].
     pub silhouettes: u64,
     /// Samples rejected, by cause.
     pub rejected: BTreeMap<&'static str, u64>,

@@ -8,7 +8,7 @@ pub struct Counts {
     pub bounce: u64,
     /// Shadow rays to a light's rim: they only find silhouettes.
     pub light_cell: u64,
-    /// Rays along the horizon and beside it: they only find silhouettes.
+    /// Rays to the points of lines over lobes: they only find silhouettes.
     pub bounce_cell: u64,
     /// Rays to the environment map: they only find silhouettes.
     pub environment_cell: u64,
@@ -16,7 +16,8 @@ pub struct Counts {
     pub edge: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
-    /// Cells between whose ends a silhouette was found.
+    /// Samples of borders that were found, one for each piece of an outline, each chain and each end of
+    /// a shadow; a cell may have several.
     pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,

@@ -192,8 +192,9 @@ impl<'a> LampLine<'a> {
             self.point.first_hit(scene.view, toward, self.far())
         });
         counts.probe += 2;
-        let [open, hidden] = seen.map(|triangle| is_occluder(triangle, Some(self.lamp)));
-        if open || !hidden {
+        let [hidden_before, hidden_behind] =
+            seen.map(|triangle| is_occluder(triangle, Some(self.lamp)));
+        if hidden_before || !hidden_behind {
             counts.unresolved += 1;
             return None;
         }
