@@ -44,6 +44,10 @@ pub(super) fn thin_dielectric(mut slots: Slots) -> Result<Bsdf, SceneError> {
 
 pub(super) fn plastic(mut slots: Slots) -> Result<Bsdf, SceneError> {
     let is_rough = slots.object.plugin == "roughplastic";
+    if is_rough {
+        // As in Mitsuba, which takes colours for the other roughnesses.
+        slots.object.float("alpha")?;
+    }
     let named_alpha = |c: &&crate::scene::xml::Child| is_rough && c.name == "alpha";
     if let Some(child) = slots.object.children.iter().find(named_alpha) {
         // Mitsuba tabulates transmission for one roughness.
