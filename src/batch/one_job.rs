@@ -37,6 +37,8 @@ impl Shared<'_> {
             return Err(refusal.clone());
         }
         let job = read::job(&line.text)?;
+        // Before hours are spent on what could not be written.
+        folder::refuse_taken(&self.options.directory, &job.id)?;
         let requested = job.settings(self.options.threads, self.options.backend);
         let waited = Instant::now();
         let admission = self.admit(&job, &requested, progress)?;

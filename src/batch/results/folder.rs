@@ -1,12 +1,14 @@
 //! A job's folder: there with all its files, or not at all.
 
+use crate::batch::samples::share::PARTIAL;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::{MANIFEST, REPORT, RESULTS};
-use crate::output::results::ResultFile;
+use crate::output::results::{BACKWARD, FORWARD, RENDER, ResultFile};
 use crate::output::unfinished::Unfinished;
 use crate::output::{FileError, atomic, plain};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Ends the names of folders that are not complete.
@@ -51,8 +53,8 @@ fn fill<T>(
     files: &[(PathBuf, T)],
     put: impl Fn(&T, &Path) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
+    refuse_taken(directory, id)?;
     let folder = directory.join(id);
-    refuse_link(&folder)?;
     // An id never starts with a dot.
     let path = directory.join(format!(".{id}{UNFINISHED}"));
     let unfinished = Unfinished::folder(path.clone()).map_err(failed(&path))?;
@@ -64,10 +66,56 @@ fn fill<T>(
             .map_err(failed(&path))?;
     }
     atomic::sync_directory(unfinished.path())?;
-    // Without a line in the results, files of this name are not a job's.
-    remove(&folder)?;
+    // Without a line in the results, they are what a run that was killed has left.
+    clear(&folder)?;
     unfinished.becomes(&folder).map_err(failed(&folder))?;
     Ok(atomic::sync_directory(directory)?)
+}
+
+/// Refuses a job whose folder's name is taken: by a link, or by a folder with anything in it that no
+/// job writes. What is in there is the user's own.
+pub fn refuse_taken(directory: &Path, id: &str) -> Result<(), Failure> {
+    let folder = directory.join(id);
+    refuse_link(&folder)?;
+    let entries = match fs::read_dir(&folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(failed(&folder))?,
+    };
+    for entry in entries {
+        let entry = entry.map_err(failed(&folder))?;
+        let name = entry.file_name();
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if !is_file || !of_jobs().any(|of_job| name == *of_job) {
+            return Err(Failure::Input(format!(
+                "{}: this folder holds {}, which is no job's: move it away, or choose another -o",
+                folder.display(),
+                name.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Names of all files that a job writes.
+fn of_jobs() -> impl Iterator<Item = &'static str> {
+    let all = RENDER.iter().chain(&FORWARD).chain(&BACKWARD);
+    all.copied().chain([PARTIAL])
+}
+
+/// Takes away a job's folder with its files. One with anything else in it stays, which is an error.
+fn clear(folder: &Path) -> Result<(), Failure> {
+    for name in of_jobs() {
+        let path = folder.join(name);
+        absent_or(fs::remove_file(&path)).map_err(failed(&path))?;
+    }
+    absent_or(fs::remove_dir(folder)).map_err(failed(folder))
+}
+
+fn absent_or(removed: io::Result<()>) -> io::Result<()> {
+    match removed {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
 }
 
 /// Refuses a folder in which symbolic links stand where the batch itself writes or takes away: what
@@ -96,9 +144,10 @@ fn refuse_link(path: &Path) -> Result<(), Failure> {
 pub fn sweep(directory: &Path) -> Result<(), Failure> {
     for path in unfinished(directory)? {
         match path.is_dir() {
-            true => remove(&path)?,
-            false => fs::remove_file(&path).map_err(failed(&path))?,
+            true => fs::remove_dir_all(&path),
+            false => fs::remove_file(&path),
         }
+        .map_err(failed(&path))?;
     }
     Ok(())
 }
@@ -119,14 +168,7 @@ fn unfinished(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-fn remove(folder: &Path) -> Result<(), Failure> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(folder)(error)),
-        _ => Ok(()),
-    }
-}
-
-fn failed(path: &Path) -> impl Fn(std::io::Error) -> Failure + '_ {
+fn failed(path: &Path) -> impl Fn(io::Error) -> Failure + '_ {
     move |error| {
         let what = format!("cannot be written: {}", plain(&error));
         FileError::io(path, what).into()
