@@ -21,12 +21,14 @@ pub struct Options {
 }
 
 impl Options {
-    /// What the folder holds the results of; `jobs` is a hash of the job file.
-    pub fn manifest(&self, jobs: String) -> Manifest {
+    /// What the folder holds the results of; `jobs` is a hash of the job file, and `count` how many
+    /// of them are done here.
+    pub fn manifest(&self, jobs: String, count: usize) -> Manifest {
         let (shard, shards) = self.shard.map_or((1, 1), |s| (s.index, s.count));
         Manifest {
             version: env!("CARGO_PKG_VERSION").into(),
             jobs,
+            count: Some(count),
             shard,
             shards,
             split: self.split.name().into(),

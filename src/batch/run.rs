@@ -30,7 +30,7 @@ pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summ
     let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
     let file = JobFile::read(path, options.shard_of_jobs(), earlier)?;
-    let manifest = options.manifest(file.hash);
+    let manifest = options.manifest(file.hash, file.done + file.lines.len());
     manifest.write(&options.directory, options.resume)?;
     // Nothing was changed before all was known to be in order.
     folder::sweep(&options.directory)?;

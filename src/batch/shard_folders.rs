@@ -4,10 +4,10 @@ use super::results::journal;
 use super::results::line::ResultLine;
 use super::results::manifest::Manifest;
 use crate::jobs::failure::Failure;
-use crate::jobs::id::RESULTS;
+use crate::jobs::id::{MANIFEST, RESULTS};
 use crate::output::{FileError, plain};
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 /// What one folder holds.
@@ -15,11 +15,19 @@ pub struct Part {
     pub directory: PathBuf,
     pub manifest: Manifest,
     pub lines: Vec<ResultLine>,
+    /// Held until it is merged: nothing in it changes.
+    _lock: File,
 }
 
 impl Part {
     /// Reads it; all of its jobs must be done.
     pub fn read(directory: &Path) -> Result<Self, Failure> {
+        let Some(lock) = journal::hold(directory)? else {
+            return Err(Failure::Disagreement(format!(
+                "{}: a batch is still writing there; merge once it has ended",
+                directory.display()
+            )));
+        };
         let manifest = Manifest::read(directory)?;
         let path = directory.join(RESULTS);
         let bytes = fs::read(&path).map_err(|error| FileError::contents(&path, plain(&error)))?;
@@ -36,12 +44,33 @@ impl Part {
                 }
             )));
         }
+        check_count(directory, &manifest, read.done.len())?;
         Ok(Self {
             directory: directory.to_path_buf(),
             manifest,
             lines: read.done.into_iter().map(|(line, _)| line).collect(),
+            _lock: lock,
         })
     }
+}
+
+/// A shard that was interrupted has fewer results than jobs.
+fn check_count(directory: &Path, manifest: &Manifest, results: usize) -> Result<(), Failure> {
+    let what = match manifest.count {
+        Some(count) if count == results => return Ok(()),
+        Some(count) if count > results => {
+            format!("only {results} of {count} jobs are done; run this shard again with --resume")
+        }
+        Some(count) => format!(
+            "it has {results} results of {count} jobs: its job file has lost some since; take their lines out of {RESULTS}"
+        ),
+        None => format!(
+            "{MANIFEST} does not say how many jobs there are, as earlier versions did not; run this shard again with \
+             --resume, which adds that and does nothing twice"
+        ),
+    };
+    let what = format!("{}: {what}", directory.display());
+    Err(Failure::Disagreement(what))
 }
 
 /// All shards of one batch, each once.

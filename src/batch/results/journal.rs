@@ -156,6 +156,17 @@ pub fn read(path: &Path, bytes: &[u8]) -> Result<Earlier, Failure> {
     Ok(earlier)
 }
 
+/// Keeps batches from writing into a folder for as long as the file is held; none if one is writing
+/// there now.
+pub fn hold(directory: &Path) -> Result<Option<File>, FileError> {
+    let file = File::open(directory).map_err(|error| FileError::unread(directory, &error))?;
+    match file.try_lock_shared() {
+        Err(fs::TryLockError::WouldBlock) => Ok(None),
+        // As in `lock`.
+        Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(Some(file)),
+    }
+}
+
 fn lock(directory: &Path) -> Result<File, Failure> {
     let file = File::open(directory).map_err(|error| FileError::io(directory, plain(&error)))?;
     match file.try_lock() {

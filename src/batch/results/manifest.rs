@@ -13,6 +13,10 @@ pub struct Manifest {
     pub version: String,
     /// A hash of the job file.
     pub jobs: String,
+    /// Jobs of it that are this shard's: with as many results it is finished. Earlier versions did
+    /// not write it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
     /// From 1 to `shards`.
     pub shard: u32,
     pub shards: u32,

@@ -12,4 +12,5 @@ mod schedulers;
 mod schema;
 mod shards;
 mod stream;
+mod unfinished_shards;
 mod values;
