@@ -2,10 +2,11 @@
 
 use super::cell::Row;
 use crate::jobs::failure::Failure;
+use crate::jobs::read::without_line;
 use crate::output::{FileError, atomic, plain};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 const NAME: &str = "study.jsonl";
@@ -26,8 +27,8 @@ struct Line {
 }
 
 impl Journal {
-    /// Opens the folder's journal. Without `resume` there must be none yet. A line that was cut off
-    /// or is of another version is left out: its direction is measured again.
+    /// Opens the folder's journal. Without `resume` there must be none yet. A last line that was cut
+    /// off is left out: its direction is measured again.
     pub fn open(folder: &Path, resume: bool) -> Result<Self, Failure> {
         atomic::prepare_directory(folder)?;
         let unread = |error: &std::io::Error| FileError::io(folder, plain(error));
@@ -37,17 +38,17 @@ impl Journal {
             return Err(Failure::System(what));
         }
         let path = folder.join(NAME);
-        let text = fs::read_to_string(&path).unwrap_or_default();
-        if !resume && !text.is_empty() {
+        let bytes = match fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            read => read.map_err(|error| FileError::unread(&path, &error))?,
+        };
+        if !resume && !bytes.is_empty() {
             return Err(Failure::Usage(format!(
                 "{} has results already: --resume goes on with them, or choose another -o",
                 path.display()
             )));
         }
-        let whole = text
-            .lines()
-            .filter_map(|line| serde_json::from_str(line).ok());
-        let lines: Vec<Line> = whole.collect();
+        let lines = read(&path, &bytes)?;
         let kept: Vec<String> = lines.iter().map(json).collect::<Result<_, _>>()?;
         atomic::write(&path, |file| file.write_all(kept.concat().as_bytes()))?;
         let file = OpenOptions::new().append(true).open(&path);
@@ -74,6 +75,29 @@ impl Journal {
         self.lines.push(line);
         Ok(())
     }
+}
+
+/// Reads a journal that may have been cut off at any byte. A line's end is written last: any line
+/// with one that cannot be read was edited, or is of another version.
+fn read(path: &Path, bytes: &[u8]) -> Result<Vec<Line>, Failure> {
+    let mut lines = Vec::new();
+    for (at, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
+        let whole = line.strip_suffix(b"\n");
+        match serde_json::from_slice(whole.unwrap_or(line)) {
+            Ok(line) => lines.push(line),
+            Err(_) if whole.is_none() => {}
+            Err(error) => {
+                return Err(Failure::Input(format!(
+                    "{}:{}: not a line of this version of warpath: {}. Mend it, or take it out: its direction is then \
+                     measured again",
+                    path.display(),
+                    at + 1,
+                    without_line(&error)
+                )));
+            }
+        }
+    }
+    Ok(lines)
 }
 
 fn json(line: &Line) -> Result<String, Failure> {

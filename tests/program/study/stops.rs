@@ -82,6 +82,47 @@ fn killed_studies_go_on_and_end_with_the_same_bytes() {
 }
 
 #[test]
+fn a_journal_that_cannot_be_read_is_left_alone() {
+    let directory = workplace();
+    let at = directory.path();
+    write_config(at);
+    let line = "study c.toml -o out -q --set repeats=2 --set reference.runs=2 --set methods=[\"interior\"]";
+    let run = |more: &str| {
+        let out = warpath(at, &typed(&format!("{line} {more}")));
+        (out.status.code(), text(&out.stderr))
+    };
+    assert_eq!(run(""), (Some(0), String::new()));
+    let journal = at.join("out/study.jsonl");
+    let good = std::fs::read(&journal).unwrap();
+    let first = good.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    let mut not_utf8 = good.clone();
+    not_utf8[first + 20] = 0xff;
+    let rubbish = [&good[..first], b"rubbish\n", &good[first..]].concat();
+    for bad in [not_utf8, rubbish] {
+        std::fs::write(&journal, &bad).unwrap();
+        let (code, message) = run("--resume");
+        assert_eq!(code, Some(3), "{message}");
+        assert!(
+            message.contains("out/study.jsonl:2: not a line"),
+            "{message}"
+        );
+        assert_eq!(run("").0, Some(2));
+        assert_eq!(std::fs::read(&journal).unwrap(), bad);
+    }
+    // Nor is something else under its name.
+    std::fs::remove_file(&journal).unwrap();
+    std::fs::create_dir(&journal).unwrap();
+    for more in ["", "--resume"] {
+        let (code, message) = run(more);
+        assert_eq!(code, Some(3), "{message}");
+        assert!(
+            message.contains("out/study.jsonl: Is a directory"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn a_signal_stops_it_cleanly() {
     let directory = workplace();
     let at = directory.path();
