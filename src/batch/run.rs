@@ -194,7 +194,14 @@ impl<'a> Batch<'a> {
         let mut output = locked(output);
         let told = writeln!(output, "{text}").and_then(|()| output.flush());
         if let Err(error) = told {
-            self.stop(error.into());
+            self.stop(match error.into() {
+                // Jobs are left undone: unlike at the end of a report, that is a failure.
+                Failure::BrokenPipe => Failure::System(format!(
+                    "stdout was closed: nobody reads the answers; --resume goes on with {}",
+                    self.shared.options.directory.display()
+                )),
+                other => other,
+            });
         }
     }
 
