@@ -6,23 +6,35 @@ use super::results::line::ResultLine;
 use super::samples::share::PARTIAL;
 use super::samples::sum::Sum;
 use super::shard_folders::{Part, by_job, check_alike, of_each_once};
+use crate::files::Regular;
 use crate::jobs::failure::Failure;
+use crate::jobs::id::RESULTS;
 use crate::jobs::results::Results;
 use crate::methods::inner_product;
+use crate::output::FileError;
 use crate::output::results::is_wanted;
 use crate::output::tensors::TensorFile;
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What was merged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Merged {
     pub jobs: usize,
     pub shards: usize,
+    /// What traced the rays of all shards.
+    pub backend: String,
+    pub rays: BTreeMap<String, u64>,
+    pub rejected: BTreeMap<String, u64>,
+    /// Of all jobs, from the output directory.
+    pub files: Vec<String>,
 }
 
-/// Merges the shards in `directories` into `output`.
+/// Merges the shards in `directories` into `output`. All that the shards hold is looked at before
+/// anything is written, and results are written last: where they are, all is there.
 pub fn merge(directories: &[PathBuf], output: &Path) -> Result<Merged, Failure> {
+    refuse_results(output)?;
     let mut parts: Vec<Part> = Vec::new();
     for directory in directories {
         parts.push(Part::read(directory)?);
@@ -34,36 +46,78 @@ pub fn merge(directories: &[PathBuf], output: &Path) -> Result<Merged, Failure> 
         true => by_job(&parts)?,
         false => of_each_once(&parts)?,
     };
+    for ((_, id), shares) in &jobs {
+        folder::refuse_taken(output, id)?;
+        match by_samples {
+            true => sum_of(shares)?.check()?,
+            false => check_files(shares[0].0, shares[0].1)?,
+        }
+    }
     let (found, _) = Journal::look(output, false)?;
-    let mut journal = found.begin()?;
-    let count = jobs.len();
+    let mut merged = Merged {
+        jobs: jobs.len(),
+        shards: parts.len(),
+        backend: parts[0].manifest.backend.clone(),
+        rays: BTreeMap::new(),
+        rejected: BTreeMap::new(),
+        files: Vec::new(),
+    };
+    let mut lines = Vec::new();
     for shares in jobs.into_values() {
         let result = match by_samples {
             true => add(&shares, output)?,
             false => collect(shares[0].0, shares[0].1, output)?,
         };
-        journal.append(&result.text())?;
+        lines.push(result.text());
+        add_counts(&mut merged.rays, &result.rays);
+        add_counts(&mut merged.rejected, &result.rejected);
+        merged.files.extend(result.files.into_values());
     }
-    Ok(Merged {
-        jobs: count,
-        shards: parts.len(),
-    })
+    found.write(&lines)?;
+    Ok(merged)
+}
+
+/// A merge begins anew or not at all.
+fn refuse_results(output: &Path) -> Result<(), Failure> {
+    let path = output.join(RESULTS);
+    match fs::metadata(&path) {
+        Ok(about) if about.len() > 0 => Err(Failure::Usage(format!(
+            "{} has results already: choose another -o",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn add_counts(sums: &mut BTreeMap<String, u64>, counts: &BTreeMap<String, u64>) {
+    for (name, count) in counts {
+        *sums.entry(name.clone()).or_default() += count;
+    }
+}
+
+/// The files of a job that one shard has done.
+fn files_of(part: &Part, line: &ResultLine) -> Vec<PathBuf> {
+    let files = line.files.values();
+    files.map(|path| part.directory.join(path)).collect()
+}
+
+/// Refuses files that cannot be read.
+fn check_files(part: &Part, line: &ResultLine) -> Result<(), FileError> {
+    for path in files_of(part, line) {
+        Regular::open(&path).map_err(|error| FileError::unread(&path, &error))?;
+    }
+    Ok(())
 }
 
 /// Copies a whole job.
 fn collect(part: &Part, line: &ResultLine, output: &Path) -> Result<ResultLine, Failure> {
     let id = line.id.as_deref().unwrap_or_default();
-    let files: Vec<PathBuf> = line
-        .files
-        .values()
-        .map(|path| part.directory.join(path))
-        .collect();
-    folder::copy(output, id, &files)?;
+    folder::copy(output, id, &files_of(part, line))?;
     Ok(line.clone())
 }
 
-/// Adds the groups of a job's shares.
-fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Failure> {
+/// The groups of a job's shares, all of them there.
+fn sum_of<'a>(shares: &[(&Part, &'a ResultLine)]) -> Result<Sum<'a>, Failure> {
     let (_, first) = shares[0];
     let id = first.id.clone().unwrap_or_default();
     let Some(whole) = &first.share else {
@@ -94,11 +148,18 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
             whole.groups
         )));
     }
-    let sum = Sum {
+    Ok(Sum {
         share: whole,
         files,
         owner,
-    };
+    })
+}
+
+/// Adds the groups of a job's shares.
+fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Failure> {
+    let (_, first) = shares[0];
+    let id = first.id.clone().unwrap_or_default();
+    let sum = sum_of(shares)?;
     let (results, adjoint) = sum.results()?;
     let mut result = ResultLine {
         id: Some(id.clone()),
@@ -114,15 +175,11 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
         result.loss = Some(inner_product(image, &adjoint));
     }
     for (_, line) in shares {
-        for (kind, count) in &line.rays {
-            *result.rays.entry(kind.clone()).or_default() += count;
-        }
-        for (cause, count) in &line.rejected {
-            *result.rejected.entry(cause.clone()).or_default() += count;
-        }
+        add_counts(&mut result.rays, &line.rays);
+        add_counts(&mut result.rejected, &line.rejected);
     }
     let mut files = results.files()?;
-    files.retain(|file| is_wanted(file.name, whole.outputs.as_deref()));
+    files.retain(|file| is_wanted(file.name, sum.share.outputs.as_deref()));
     result.files = folder::write(output, &id, &files)?;
     Ok(result)
 }

@@ -49,7 +49,7 @@ fn dispatch(arguments: &Arguments, typed: &[OsString]) -> Result<(), Failure> {
         Command::Check(check) => check::run(check, typed),
         Command::Bench(bench) => bench::run(bench, typed),
         Command::Batch(batch) => batch::run(batch, typed),
-        Command::Merge(merge) => merge::run(merge),
+        Command::Merge(merge) => merge::run(merge, typed),
         Command::Optimize(optimize) => optimize::run(optimize, typed),
         Command::Study(study) => study::run(study, typed),
         Command::Completions { shell } => completions::shell(*shell),

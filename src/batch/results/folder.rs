@@ -1,6 +1,7 @@
 //! A job's folder: there with all its files, or not at all.
 
 use crate::batch::samples::share::PARTIAL;
+use crate::files;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::{MANIFEST, REPORT, RESULTS};
 use crate::output::results::{BACKWARD, FORWARD, RENDER, ResultFile};
@@ -40,7 +41,8 @@ pub fn write(
 pub fn copy(directory: &Path, id: &str, files: &[PathBuf]) -> Result<(), Failure> {
     let names = |path: &PathBuf| path.file_name().map(PathBuf::from).unwrap_or_default();
     let put = |from: &&PathBuf, to: &Path| -> Result<(), Failure> {
-        fs::copy(from, to).map(drop).map_err(failed(from))
+        let bytes = files::read(from).map_err(|error| FileError::unread(*from, &error))?;
+        fs::write(to, bytes).map_err(failed(to))
     };
     let files: Vec<_> = files.iter().map(|path| (names(path), path)).collect();
     fill(directory, id, &files, put)

@@ -99,6 +99,15 @@ impl Found {
     }
 }
 
+impl Found {
+    /// Writes all results at once, and returns when they would survive a power cut.
+    pub fn write(self, lines: &[String]) -> Result<(), FileError> {
+        atomic::write_durably(&self.path, |file| {
+            lines.iter().try_for_each(|line| writeln!(file, "{line}"))
+        })
+    }
+}
+
 impl Journal {
     /// Adds a line, and returns once it would survive a power cut.
     pub fn append(&mut self, line: &str) -> Result<(), Failure> {

@@ -6,6 +6,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::mode::Mode;
 use crate::jobs::results::Results;
 use crate::methods::{ForwardGradient, Image};
+use crate::output::FileError;
 use crate::output::gradients;
 use crate::output::tensors::{Tensor, TensorFile};
 use crate::room::NoRoom;
@@ -21,6 +22,21 @@ pub struct Sum<'a> {
 }
 
 impl Sum<'_> {
+    /// Refuses files without the tensors that make the results.
+    pub fn check(&self) -> Result<(), FileError> {
+        let names: Vec<&str> = match self.share.mode {
+            Mode::Render => vec!["image"],
+            Mode::Forward => vec!["image", "gradient"],
+            Mode::Backward => self.share.keys.iter().map(String::as_str).collect(),
+        };
+        for (group, file) in &self.owner {
+            for name in &names {
+                self.files[*file].entry(&of_group(name, *group))?;
+            }
+        }
+        Ok(())
+    }
+
     /// The results, and the adjoint if the job had one.
     pub fn results(&self) -> Result<(Results, Option<Image>), Failure> {
         match self.share.mode {

@@ -5,6 +5,7 @@ mod bad_lines;
 mod disk;
 mod kills;
 mod memory;
+mod merges;
 mod own_folders;
 mod resume;
 #[cfg(feature = "long-tests")]
