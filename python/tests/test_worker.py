@@ -203,6 +203,18 @@ def test_the_end_of_the_block_is_the_end_of_the_worker(program: Path, tmp_path: 
     assert job.result().image().shape == (12, 16, 3)
     assert (tmp_path / "kept" / "mine" / "image.npy").exists()
 
+    # A second worker adds to what the first has left there; the same job is another result of it.
+    seen = set()
+    for _ in range(2):
+        with Worker(program, folder=tmp_path / "kept") as worker:
+            result = worker.run(mode="render", outputs=["image.npy"], **SMALL)
+            done = worker.run(mode="render", id="mine", outputs=["image.npy"], **SMALL)
+        assert done.id == "mine"
+        assert result.image().shape == (12, 16, 3)
+        seen.add(result.id)
+    assert len(seen) == 2
+    assert len((tmp_path / "kept" / "results.jsonl").read_text().splitlines()) == 3
+
     began = time.monotonic()
     with pytest.raises(RuntimeError, match="mine"):
         with Worker(program) as worker:

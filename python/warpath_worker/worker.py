@@ -6,6 +6,7 @@ import collections
 import contextlib
 import json
 import os
+import secrets
 import subprocess
 import tempfile
 import threading
@@ -36,6 +37,7 @@ class Worker:
 
     `program` is looked for as `find_program` says. Results are files in `folder`; without one they
     are in a temporary folder, which ends with the worker (set TMPDIR=/dev/shm to spare the disk).
+    A folder may have results of earlier workers, which stay.
     `threads` are as many as the process may use, and `options` are more of `warpath batch`'s.
     """
 
@@ -53,7 +55,11 @@ class Worker:
         self._inputs = own / "inputs"
         self._inputs.mkdir()
         self.folder = Path(folder).absolute() if folder else own / "results"
+        # Unlike those of other workers that write into the same folder, before or after this one.
+        self._ids = f"job-{secrets.token_hex(4)}"
         command = [str(self.program), "batch", "-", "-o", str(self.folder), "--quiet", *options]
+        if folder and "--resume" not in options:
+            command.append("--resume")
         if threads is not None:
             command += ["--threads", str(threads)]
         self._process = subprocess.Popen(
@@ -96,7 +102,8 @@ class Worker:
             if self._is_closed:
                 raise WorkerDied("the worker was closed", None)
             number = self._lines + 1
-            job = Job({"id": f"job-{number}", "mode": mode, "scene": scene, **fields}, self._inputs)
+            id = f"{self._ids}-{number}"
+            job = Job({"id": id, "mode": mode, "scene": scene, **fields}, self._inputs)
             self._lines = number
             with self._state:
                 if self._death is not None:

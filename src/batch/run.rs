@@ -61,7 +61,9 @@ pub fn of_stream(
     let next = || {
         while !batch.is_stopped() {
             match locked(&lines).wait() {
-                Next::Line(Entry::Run(line)) => return Some(line),
+                // Another job of an id that is done ends a batch of a file; here it is an answer
+                // like others.
+                Next::Line(Entry::Run(line) | Entry::Unlike(line)) => return Some(line),
                 Next::Line(Entry::Done(text)) => {
                     skipped.fetch_add(1, Ordering::Relaxed);
                     batch.answer(&text);

@@ -47,10 +47,14 @@ impl JobFile {
             }
             let is_ours = shard.is_none_or(|shard| shard.has(jobs));
             jobs += 1;
-            let entry = register
-                .enter(at + 1, &line)
-                .map_err(|failure| Failure::Usage(format!("{}: {failure}", path.display())))?;
-            match entry {
+            match register.enter(at + 1, &line) {
+                Entry::Unlike(Line {
+                    number, refusal, ..
+                }) => {
+                    let what = refusal.map_or_else(String::new, |why| why.to_string());
+                    let what = format!("{}: line {number}: {what}", path.display());
+                    return Err(Failure::Usage(what));
+                }
                 _ if !is_ours => {}
                 Entry::Done(_) => done += 1,
                 Entry::Run(line) => {

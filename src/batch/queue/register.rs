@@ -36,63 +36,66 @@ pub struct Outline<'a> {
 #[derive(Default)]
 pub struct Register {
     lines: HashMap<String, usize>,
-    earlier: HashMap<String, (ResultLine, String)>,
+    earlier: HashMap<String, ResultLine>,
 }
 
 /// A line that has been looked at.
 pub enum Entry {
     Run(Line),
-    /// An earlier run has done it: its result line.
+    /// An earlier run has done it: its result line, with the number that the job has now.
     Done(String),
+    /// An earlier run has done another job of this id: the refusal says so.
+    Unlike(Line),
 }
 
 impl Register {
     /// With the jobs of earlier runs.
     pub fn new(earlier: Earlier) -> Self {
         let done = earlier.done.into_iter();
-        let by_id = done.filter_map(|(line, text)| Some((line.id.clone()?, (line, text))));
+        let by_id = done.filter_map(|(line, _)| Some((line.id.clone()?, line)));
         Self {
             lines: HashMap::new(),
             earlier: by_id.collect(),
         }
     }
 
-    /// Looks at a line: who it is, and whether it is to be run. An error if the earlier run's job
-    /// of this id is another.
-    pub fn enter(&mut self, number: usize, text: &str) -> Result<Entry, Failure> {
+    /// Looks at a line: who it is, and whether it is to be run.
+    pub fn enter(&mut self, number: usize, text: &str) -> Entry {
         let text = text.trim();
-        let hash = hash(text);
         let outline: Outline = serde_json::from_str(text).unwrap_or_default();
-        let id = outline.id.filter(|id| check_id(id).is_ok());
-        let mut refusal = None;
-        if let Some(id) = &id {
-            if let Some((done, line)) = self.earlier.get(id)
-                && !self.lines.contains_key(id)
-            {
-                if done.job != hash {
-                    return Err(Failure::Usage(format!(
-                        "line {number}: the results have another job {id} (line {} then): give this one a new id, or \
-                         choose another -o",
-                        done.line
-                    )));
-                }
-                self.lines.insert(id.clone(), number);
-                return Ok(Entry::Done(line.clone()));
-            }
-            let first = *self.lines.entry(id.clone()).or_insert(number);
-            if first != number {
-                refusal = Some(Failure::Input(format!(
-                    "id: {id} is that of line {first} already"
-                )));
-            }
-        }
-        Ok(Entry::Run(Line {
+        let mut line = Line {
             number,
             text: text.to_string(),
-            hash,
-            id,
-            refusal,
-        }))
+            hash: hash(text),
+            id: outline.id.filter(|id| check_id(id).is_ok()),
+            refusal: None,
+        };
+        let Some(id) = line.id.clone() else {
+            return Entry::Run(line);
+        };
+        if let Some(done) = self.earlier.get(&id)
+            && !self.lines.contains_key(&id)
+        {
+            if done.job != line.hash {
+                line.refusal = Some(Failure::Usage(format!(
+                    "the results have another job {id} (line {} then): give this one a new id, or choose another -o",
+                    done.line
+                )));
+                return Entry::Unlike(line);
+            }
+            self.lines.insert(id, number);
+            let now = ResultLine {
+                line: number,
+                ..done.clone()
+            };
+            return Entry::Done(now.text());
+        }
+        let first = *self.lines.entry(id.clone()).or_insert(number);
+        if first != number {
+            let what = format!("id: {id} is that of line {first} already");
+            line.refusal = Some(Failure::Input(what));
+        }
+        Entry::Run(line)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lines that come one by one, for ever perhaps.
 
-use super::register::{Entry, Line, Register};
+use super::register::{Entry, Register};
 use crate::jobs::failure::Failure;
 use crate::output::plain;
 use std::io::BufRead;
@@ -54,7 +54,7 @@ impl Stream {
                 let text = String::from_utf8_lossy(&bytes);
                 match text.trim().is_empty() {
                     true => Next::NotYet,
-                    false => Next::Line(self.enter(&text)),
+                    false => Next::Line(self.register.enter(self.number, &text)),
                 }
             }
             Ok(Err(error)) => {
@@ -64,20 +64,5 @@ impl Stream {
             Err(RecvTimeoutError::Timeout) => Next::NotYet,
             Err(RecvTimeoutError::Disconnected) => Next::End,
         }
-    }
-
-    fn enter(&mut self, text: &str) -> Entry {
-        let number = self.number;
-        // Another job of an id that is done ends a batch of a file; here it is an answer like
-        // others.
-        self.register.enter(number, text).unwrap_or_else(|failure| {
-            Entry::Run(Line {
-                number,
-                text: text.to_string(),
-                hash: String::new(),
-                id: None,
-                refusal: Some(failure),
-            })
-        })
     }
 }

@@ -70,8 +70,27 @@ fn each_line_is_answered_before_the_next_is_sent() {
     let (child, mut input, mut output) = worker(at, "-q --resume");
     ask(&mut input, &of_all_kinds(1)[0].to_string());
     assert_eq!(answer(&mut output)["line"], 1);
+    // By the number it has now: the caller may know no other.
+    ask(&mut input, &of_all_kinds(6)[5].to_string());
+    let said = answer(&mut output);
+    assert_eq!((&said["id"], &said["line"]), (&json!("job-5"), &json!(2)));
+    // Another job of an id that is done is answered as any that fails.
+    let mut other = of_all_kinds(2)[1].clone();
+    other["seed"] = json!(77);
+    ask(&mut input, &other.to_string());
+    let said = answer(&mut output);
+    assert_eq!(
+        (&said["id"], &said["code"], &said["line"]),
+        (&json!("job-1"), &json!(2), &json!(3))
+    );
+    assert!(said["job"].as_str().unwrap().starts_with("fnv1a64:"));
+    let message = said["message"].as_str().unwrap();
+    assert!(
+        message.starts_with("line 3: the results have another job job-1 (line 2 then)"),
+        "{message}"
+    );
     drop(input);
-    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(5));
     write(at, "jobs.jsonl", &of_all_kinds(6));
     run(at, "batch jobs.jsonl -o file -q", 0);
     for folder in 0..6 {
