@@ -21,7 +21,7 @@ pub struct ResultLine {
     pub job: String,
     /// `ok` or `failed`.
     pub status: String,
-    /// 0, or that of the program if the job were run alone.
+    /// 0, or that of the program if the job were run alone; 3 where it would refuse its arguments.
     pub code: u8,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
