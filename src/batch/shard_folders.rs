@@ -5,7 +5,7 @@ use super::results::line::ResultLine;
 use super::results::manifest::Manifest;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::{MANIFEST, RESULTS};
-use crate::output::{FileError, plain};
+use crate::output::FileError;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ impl Part {
         };
         let manifest = Manifest::read(directory)?;
         let path = directory.join(RESULTS);
-        let bytes = fs::read(&path).map_err(|error| FileError::contents(&path, plain(&error)))?;
+        let bytes = fs::read(&path).map_err(|error| FileError::unread(&path, &error))?;
         let read = journal::read(&path, &bytes)?;
         if read.torn || read.failed > 0 {
             return Err(Failure::Disagreement(format!(

@@ -4,6 +4,7 @@ use super::register::{Entry, Line, Outline, Register, hash};
 use super::shard::Shard;
 use crate::batch::results::journal::Earlier;
 use crate::jobs::failure::Failure;
+use crate::output::FileError;
 use serde_json::value::RawValue;
 use std::collections::{HashMap, VecDeque};
 use std::path::Path;
@@ -24,16 +25,7 @@ pub struct JobFile {
 impl JobFile {
     /// Looks at all lines of `path`, and keeps those of `shard`.
     pub fn read(path: &Path, shard: Option<Shard>, earlier: Earlier) -> Result<Self, Failure> {
-        let text = std::fs::read(path).map_err(|error| {
-            let what = crate::output::plain(&error);
-            let what = format!("{}: {what}", path.display());
-            match error.kind() {
-                std::io::ErrorKind::NotFound | std::io::ErrorKind::IsADirectory => {
-                    Failure::Input(what)
-                }
-                _ => Failure::System(what),
-            }
-        })?;
+        let text = std::fs::read(path).map_err(|error| FileError::unread(path, &error))?;
         let mut register = Register::new(earlier);
         let mut places: HashMap<String, usize> = HashMap::new();
         let mut lines: Vec<(usize, Line)> = Vec::new();

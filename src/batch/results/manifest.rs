@@ -2,7 +2,7 @@
 
 use crate::jobs::failure::Failure;
 use crate::jobs::id::MANIFEST;
-use crate::output::{FileError, atomic, plain};
+use crate::output::{FileError, atomic};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -54,8 +54,7 @@ impl Manifest {
     /// Reads that of a folder.
     pub fn read(directory: &Path) -> Result<Self, Failure> {
         let path = directory.join(MANIFEST);
-        let text =
-            std::fs::read(&path).map_err(|error| FileError::contents(&path, plain(&error)))?;
+        let text = std::fs::read(&path).map_err(|error| FileError::unread(&path, &error))?;
         serde_json::from_slice(&text)
             .map_err(|error| FileError::contents(&path, format!("not a batch's: {error}")).into())
     }

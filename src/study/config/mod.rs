@@ -42,7 +42,7 @@ impl Plan {
             let known = || self.scenes.iter().map(|scene| scene.name.as_str());
             if !known().any(|known| known == name) {
                 let hint = nearest_hint(name, known());
-                return Err(Failure::Usage(format!(
+                return Err(Failure::Input(format!(
                     "--only {name}: there is no such scene{hint}"
                 )));
             }

@@ -257,6 +257,7 @@ fn wrong_usage_of_batch_and_merge_is_told() {
             ("batch", 2, "JOBS"),
             ("batch none.jsonl -o none", 3, "none.jsonl"),
             ("batch . -o none", 3, "."),
+            ("batch a_file/x -o none", 3, "a_file/x: Not a directory"),
             ("batch jobs.jsonl -o a_file", 4, "a_file"),
             ("batch jobs.jsonl -o done", 2, "--resume goes on"),
             ("batch jobs.jsonl --shard 0/2", 2, "counted from 1"),

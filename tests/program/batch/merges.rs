@@ -97,3 +97,20 @@ fn a_merge_that_failed_is_done_again() {
     run(at, "merge a b -o all", 0);
     assert_eq!(results(&at.join("all")).len(), 5);
 }
+
+/// A read that the system fails, as of a disk that is broken: this file's is one for everybody.
+#[test]
+#[cfg(target_os = "linux")]
+fn what_the_system_does_not_read_is_no_bad_input() {
+    let directory = workplace();
+    let at = directory.path();
+    shards(at, "jobs");
+    for name in ["results.jsonl", "batch.json"] {
+        let path = at.join("b").join(name);
+        std::fs::remove_file(&path).unwrap();
+        std::os::unix::fs::symlink("/proc/self/mem", &path).unwrap();
+        let message = text(&run(at, "merge a b -o all", 4).stderr);
+        assert!(message.contains(&format!("b/{name}: ")), "{message}");
+        assert!(!at.join("all").exists());
+    }
+}

@@ -143,7 +143,7 @@ fn what_is_typed_is_checked_before_anything_is_measured() {
             ("study c.toml --set repeats", 2, "the value is missing"),
             (
                 "study c.toml --only crad",
-                2,
+                3,
                 "--only crad: there is no such scene; the nearest known name is \"card\"",
             ),
             ("study c.toml --assert missing.toml", 3, "missing.toml"),
