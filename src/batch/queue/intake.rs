@@ -4,7 +4,6 @@ use super::register::{Entry, Line, Outline, Register, hash};
 use super::shard::Shard;
 use crate::batch::results::journal::Earlier;
 use crate::jobs::failure::Failure;
-use crate::output::FileError;
 use serde_json::value::RawValue;
 use std::collections::{HashMap, VecDeque};
 use std::path::Path;
@@ -23,9 +22,13 @@ pub struct JobFile {
 }
 
 impl JobFile {
-    /// Looks at all lines of `path`, and keeps those of `shard`.
-    pub fn read(path: &Path, shard: Option<Shard>, earlier: Earlier) -> Result<Self, Failure> {
-        let text = std::fs::read(path).map_err(|error| FileError::unread(path, &error))?;
+    /// Looks at all lines of `path`, which are `text`, and keeps those of `shard`.
+    pub fn of(
+        path: &Path,
+        text: &[u8],
+        shard: Option<Shard>,
+        earlier: Earlier,
+    ) -> Result<Self, Failure> {
         let mut register = Register::new(earlier);
         let mut places: HashMap<String, usize> = HashMap::new();
         let mut lines: Vec<(usize, Line)> = Vec::new();
@@ -61,7 +64,7 @@ impl JobFile {
         Ok(Self {
             lines: in_time(lines),
             done,
-            hash: hash(&String::from_utf8_lossy(&text)),
+            hash: hash(&String::from_utf8_lossy(text)),
         })
     }
 }
@@ -99,8 +102,6 @@ mod tests {
 
     #[test]
     fn jobs_of_one_scene_stand_together_and_ids_stand_once() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("jobs.jsonl");
         let lines = [
             r#"{"id":"a","scene":"s.xml"}"#,
             r#"{"id":"b","scene":"t.xml"}"#,
@@ -110,11 +111,11 @@ mod tests {
             r#"{"id":"d","scene":"s.xml"}"#,
             r#"{"id":"a","scene":"t.xml"}"#,
         ];
-        std::fs::write(&path, lines.join("\n")).unwrap();
+        let text = lines.join("\n");
         let read = |shard| {
-            JobFile::read(&path, shard, Earlier::default())
-                .unwrap()
-                .lines
+            let path = Path::new("jobs.jsonl");
+            let file = JobFile::of(path, text.as_bytes(), shard, Earlier::default());
+            file.unwrap().lines
         };
         let numbers = |shard| -> Vec<usize> { read(shard).iter().map(|l| l.number).collect() };
         // The first of each scene comes before the last of the one before it.

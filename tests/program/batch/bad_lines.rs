@@ -274,4 +274,5 @@ fn wrong_usage_of_batch_and_merge_is_told() {
             ("merge nowhere -o none", 3, "nowhere"),
         ],
     );
+    assert!(!at.join("none").exists());
 }
