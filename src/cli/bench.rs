@@ -43,6 +43,10 @@ pub fn run(arguments: &BenchArguments, typed: &[OsString]) -> Result<(), Failure
         .output
         .clone()
         .unwrap_or_else(|| PathBuf::from("out/bench"));
+    // Each by itself, as they are measured: together they might not fit.
+    for source in sources.iter().skip(1) {
+        source.check()?;
+    }
     let mut results = Results::new(plan);
     for (i, source) in sources.iter().enumerate() {
         let case = source.load()?;
@@ -98,6 +102,14 @@ fn sources(arguments: &BenchArguments) -> Vec<Source<'_>> {
 }
 
 impl Source<'_> {
+    /// Refuses a file that cannot be loaded.
+    fn check(&self) -> Result<(), SceneError> {
+        match self {
+            Source::Generated(..) => Ok(()),
+            Source::File(_) => self.load().map(drop),
+        }
+    }
+
     fn load(&self) -> Result<Case, SceneError> {
         match self {
             Source::Generated(class, count) => Case::generated(*class, *count),

@@ -29,6 +29,8 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
     plan.keep(&arguments.only)?;
     let others = plan.peers.as_ref().map(peers::read).transpose()?;
     let bounds = arguments.assert.as_deref().map(bounds::read).transpose()?;
+    let bounds = bounds.unwrap_or_default();
+    bounds::check(&bounds, &plan)?;
     let options = options(arguments);
     let signals = Signals::watch(log);
     let progress = StageProgress::start("study", log, &signals, 0.0);
@@ -70,12 +72,10 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
         stdout.write_all(report::values::json(&plan, &rows)?.as_bytes())?;
         stdout.flush()?;
     }
-    match bounds
-        .map(|bounds| bounds::broken(&bounds, &rows))
-        .transpose()?
-    {
-        Some(broken) if !broken.is_empty() => Err(Failure::Disagreement(broken.join("\n"))),
-        _ => Ok(()),
+    let broken = bounds::broken(&bounds, &rows);
+    match broken.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::Disagreement(broken.join("\n"))),
     }
 }
 
@@ -91,6 +91,7 @@ fn options(arguments: &StudyArguments) -> Options {
     Options {
         references: references.unwrap_or_else(|| directory.join("references")),
         directory,
+        table: arguments.report.clone(),
         resume: arguments.resume,
         threads: session::threads(arguments.threads),
         backend: arguments.backend,

@@ -75,6 +75,20 @@ pub fn take_away(path: &Path) -> Result<(), FileError> {
     }
 }
 
+/// Makes the folder of a file, and proves that the file can be made there.
+pub fn prepare_file(path: &Path) -> Result<(), FileError> {
+    if path.is_dir() {
+        return Err(FileError::io(path, "cannot be written: it is a folder"));
+    }
+    match path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+    {
+        Some(folder) => prepare_directory(folder),
+        None => prepare_directory(Path::new(".")),
+    }
+}
+
 /// Takes away what processes that were killed had begun to write in a folder, which nobody else may
 /// be writing into. What cannot be removed is in nobody's way.
 pub fn sweep(directory: &Path) {

@@ -1,6 +1,7 @@
 //! `--assert FILE`: what figures must not fall below, or rise above.
 
 use super::cell::{Cell, Row};
+use super::config::{Plan, ScenePlan};
 use super::verdict::Kind;
 use crate::jobs::config::document;
 use crate::jobs::config::table::Table;
@@ -125,14 +126,38 @@ fn limits(table: &Table, key: &str) -> Result<Vec<(&'static str, f64)>, Failure>
     Ok(limits)
 }
 
-/// What does not hold, each in a sentence. A bound that is of no cell is wrong itself.
-pub fn broken(bounds: &[Bound], rows: &[Row]) -> Result<Vec<String>, Failure> {
+/// Refuses a bound that is of no cell of the study, before the cells are measured.
+pub fn check(bounds: &[Bound], plan: &Plan) -> Result<(), Failure> {
+    let is_of = |bound: &Bound, scene: &ScenePlan| {
+        let effort = &scene.effort;
+        let mut directions = scene.directions.iter();
+        let mut methods = effort.methods.iter();
+        directions.any(|direction| bound.is_of_row(&scene.name, &direction.name))
+            && methods.any(|one| {
+                effort
+                    .spp
+                    .iter()
+                    .any(|spp| bound.is_of_cell(&one.name, *spp))
+            })
+    };
+    let of_none = |bound: &&Bound| !plan.scenes.iter().any(|scene| is_of(bound, scene));
+    match bounds.iter().find(of_none) {
+        None => Ok(()),
+        Some(bound) => Err(Failure::Input(format!(
+            "{}: the study has nothing of this scene, direction, method and spp",
+            bound.place
+        ))),
+    }
+}
+
+/// What does not hold, each in a sentence.
+pub fn broken(bounds: &[Bound], rows: &[Row]) -> Vec<String> {
     let mut sentences = Vec::new();
     for bound in bounds {
-        let mut met = false;
-        for row in rows.iter().filter(|row| bound.is_of_row(row)) {
-            for cell in row.cells.iter().filter(|cell| bound.is_of_cell(cell)) {
-                met = true;
+        let is_of_row = |row: &&Row| bound.is_of_row(&row.scene, &row.direction);
+        let is_of_cell = |cell: &&Cell| bound.is_of_cell(&cell.method, cell.spp);
+        for row in rows.iter().filter(is_of_row) {
+            for cell in row.cells.iter().filter(is_of_cell) {
                 let whose = format!(
                     "{}: {} {}, {} with {} samples",
                     bound.place, row.scene, row.direction, cell.method, cell.spp
@@ -145,23 +170,19 @@ pub fn broken(bounds: &[Bound], rows: &[Row]) -> Result<Vec<String>, Failure> {
                 );
             }
         }
-        if !met {
-            let what = "the study has nothing of this scene, direction, method and spp";
-            return Err(Failure::Input(format!("{}: {what}", bound.place)));
-        }
     }
-    Ok(sentences)
+    sentences
 }
 
 impl Bound {
-    fn is_of_row(&self, row: &Row) -> bool {
+    fn is_of_row(&self, scene: &str, direction: &str) -> bool {
         let same = |wanted: &Option<String>, is: &str| wanted.as_deref().is_none_or(|w| w == is);
-        same(&self.scene, &row.scene) && same(&self.direction, &row.direction)
+        same(&self.scene, scene) && same(&self.direction, direction)
     }
 
-    fn is_of_cell(&self, cell: &Cell) -> bool {
-        let method = self.method.as_deref();
-        method.is_none_or(|name| name == cell.method) && self.spp.is_none_or(|spp| spp == cell.spp)
+    fn is_of_cell(&self, method: &str, spp: u32) -> bool {
+        let wanted = self.method.as_deref();
+        wanted.is_none_or(|name| name == method) && self.spp.is_none_or(|wanted| wanted == spp)
     }
 
     fn complaints(&self, cell: &Cell) -> Vec<String> {

@@ -21,6 +21,8 @@ pub struct Options {
     pub directory: PathBuf,
     /// References that were made, which other studies may share.
     pub references: PathBuf,
+    /// Where a table goes beside the results, if anywhere: it is seen to that it can.
+    pub table: Option<PathBuf>,
     pub resume: bool,
     pub threads: usize,
     pub backend: Backend,
@@ -54,6 +56,9 @@ pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Fa
             let task = Task::new(scene, plan, of, moves, threads, backend, program)?;
             tasks.push(task);
         }
+    }
+    if let Some(table) = &options.table {
+        atomic::prepare_file(table)?;
     }
     let mut journal = Journal::open(&options.directory, options.resume)?;
     // The journal is locked: what is unfinished here is nobody's.

@@ -60,6 +60,14 @@ fn a_bench_measures_every_backend_and_writes_it_down() {
 }
 
 #[test]
+fn all_files_are_looked_at_before_the_first_is_measured() {
+    let directory = workplace();
+    let all = [("bench s.xml missing.xml -q -o out", 3, "missing.xml")];
+    expect(directory.path(), &all);
+    assert!(!directory.path().join("out").exists());
+}
+
+#[test]
 fn what_this_build_lacks_is_refused() {
     let directory = workplace();
     let all: [(&str, bool, &str); 4] = [

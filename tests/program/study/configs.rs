@@ -127,6 +127,10 @@ fn what_is_typed_is_checked_before_anything_is_measured() {
         ("word.toml", "[[bound]]\nverdict = [\"rihgt\"]\n"),
         ("figure.toml", "[[bound]]\nat_most = { rmes = 1 }\n"),
         ("empty.toml", "[[bound]]\nscene = \"card\"\n"),
+        (
+            "nothing.toml",
+            "[[bound]]\nscene = \"card\"\nspp = 8\nverdict = [\"right\"]\n",
+        ),
     ];
     for (name, text) in bounds {
         std::fs::write(directory.path().join(name), text).unwrap();
@@ -163,6 +167,21 @@ fn what_is_typed_is_checked_before_anything_is_measured() {
                 "the nearest known name is \"rmse\"",
             ),
             ("study c.toml --assert empty.toml", 3, "nothing is bound"),
+            (
+                "study c.toml --assert nothing.toml -q",
+                3,
+                "nothing.toml:1:1: the study has nothing of this scene, direction, method and spp",
+            ),
+            (
+                "study c.toml --report a_file/table.md -q",
+                4,
+                "a_file: cannot be written into",
+            ),
+            (
+                "study c.toml --report . -q",
+                4,
+                ".: cannot be written: it is a folder",
+            ),
         ],
     );
     assert!(!directory.path().join("out").exists());
