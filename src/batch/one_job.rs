@@ -14,12 +14,14 @@ use crate::jobs::attachments;
 use crate::jobs::direction;
 use crate::jobs::failure::Failure;
 use crate::jobs::job::Job;
+use crate::jobs::mode::Mode;
 use crate::jobs::read;
 use crate::jobs::request::Request;
 use crate::jobs::results::Done;
 use crate::jobs::settings::RequestedSettings;
 use crate::methods::{EditedScene, EngineError, Pilot, Prepared, Progress, Settings, Workers};
-use crate::output::results::{self, ResultFile};
+use crate::output::gradients::STANDARD_ERROR;
+use crate::output::results::{self, ResultFile, STDERR};
 use crate::scene::parameters;
 use std::time::Instant;
 
@@ -148,6 +150,9 @@ impl Shared<'_> {
                 result.absorb(&done.statistics);
                 result.loss = done.loss;
                 result.norms = done.results.norms().into_iter().collect();
+                if lacks_errors(job, result) {
+                    result.warnings.push(NO_ERRORS.into());
+                }
                 let mut files = done.results.files()?;
                 files.retain(|file| job.writes(file.name));
                 self.write_files(job, &files, result)
@@ -177,6 +182,20 @@ impl Shared<'_> {
         result.seconds.insert("write".into(), seconds);
         Ok(())
     }
+}
+
+const NO_ERRORS: &str =
+    "a single sample, or group of samples, tells no standard error: none is written";
+
+/// Whether standard errors are expected, and there are none.
+fn lacks_errors(job: &Job, result: &ResultLine) -> bool {
+    let expected = match job.mode {
+        Mode::Render => false,
+        Mode::Forward => job.writes(STDERR),
+        Mode::Backward => true,
+    };
+    let is_error = |name: &String| name.ends_with(STANDARD_ERROR);
+    expected && job.stderr != Some(false) && !result.norms.keys().any(is_error)
 }
 
 /// What a job gives.

@@ -8,8 +8,9 @@ use crate::batch::results::line::ResultLine;
 use crate::batch::results::tally::Tally;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// The progress of a batch.
@@ -18,6 +19,8 @@ pub struct BatchProgress {
     signals: Signals,
     bar: Option<ProgressBar>,
     last: Mutex<Instant>,
+    /// Warnings that were shown: of a thousand jobs that have one, the first is enough.
+    warned: Mutex<BTreeSet<String>>,
 }
 
 impl BatchProgress {
@@ -29,6 +32,7 @@ impl BatchProgress {
             signals,
             bar: is_seen.then(bar),
             last: Mutex::new(Instant::now()),
+            warned: Mutex::default(),
         }
     }
 
@@ -36,6 +40,15 @@ impl BatchProgress {
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
+        }
+    }
+
+    fn warn(&self, result: &ResultLine, what: &str) {
+        let id = result.id.as_deref().unwrap_or("a job without an id");
+        let show = || self.log.warning(&format!("{id}: {what}"));
+        match &self.bar {
+            Some(bar) => bar.suspend(show),
+            None => show(),
         }
     }
 
@@ -91,12 +104,12 @@ impl Watch for BatchProgress {
 
     fn ended(&self, result: &ResultLine, tally: &Tally) {
         if !result.is_ok() {
-            let id = result.id.as_deref().unwrap_or("a job without an id");
-            let message = result.message.as_deref().unwrap_or_default();
-            let show = || self.log.warning(&format!("{id}: {message}"));
-            match &self.bar {
-                Some(bar) => bar.suspend(show),
-                None => show(),
+            self.warn(result, result.message.as_deref().unwrap_or_default());
+        }
+        for warning in &result.warnings {
+            let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
+            if warned.insert(warning.clone()) {
+                self.warn(result, warning);
             }
         }
         self.advance(tally);

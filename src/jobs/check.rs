@@ -6,6 +6,7 @@ use super::job::Job;
 use super::mode::Mode;
 use super::pairs::Keys;
 use super::settings::MOST_SAMPLES;
+use crate::output::results::STDERR;
 
 /// Refuses a job that no scene could serve.
 pub fn check(job: &Job) -> Result<(), Failure> {
@@ -82,6 +83,12 @@ fn check_objective(job: &Job) -> Result<(), Failure> {
 }
 
 fn check_outputs(job: &Job) -> Result<(), Failure> {
+    let names_errors = job.outputs.iter().flatten().any(|name| name == STDERR);
+    if names_errors && job.stderr == Some(false) {
+        return refuse(format!(
+            "outputs: {STDERR} is asked for, and \"stderr\": false leaves it out"
+        ));
+    }
     let known = job.mode.files();
     let mut names = job.outputs.iter().flatten();
     match names.find(|name| !known.contains(&name.as_str())) {

@@ -79,6 +79,9 @@ pub fn is_wanted(name: &str, asked_for: Option<&[String]>) -> bool {
     asked_for.map_or(name != ON_REQUEST, |names| names.iter().any(|n| n == name))
 }
 
+/// Standard errors of a gradient image, written if there are any.
+pub const STDERR: &str = "stderr.npy";
+
 /// Names of the files of `render`, `forward` and `backward`, in the order in which they are
 /// written.
 pub const RENDER: [&str; 3] = ["image.exr", "image.png", ON_REQUEST];
@@ -86,7 +89,7 @@ pub const FORWARD: [&str; 5] = [
     "gradient.exr",
     "gradient.npy",
     "gradient.png",
-    "stderr.npy",
+    STDERR,
     "image.exr",
 ];
 pub const BACKWARD: [&str; 3] = ["gradients.safetensors", "gradients.npz", "image.exr"];

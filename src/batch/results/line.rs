@@ -25,6 +25,9 @@ pub struct ResultLine {
     pub code: u8,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
+    /// What is not as one may expect of results that are there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// A hash of everything that was read of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene_hash: Option<String>,

@@ -92,6 +92,13 @@ fn bad_lines() -> Vec<(String, i32, &'static str)> {
             "it writes image.exr, image.png",
         ),
         (
+            forward(
+                r#""card.translation":[1,0,0]},"stderr":false,"outputs":["stderr.npy"],"defines":{"#,
+            ),
+            3,
+            "outputs: stderr.npy is asked for, and \"stderr\": false leaves it out",
+        ),
+        (
             job(r#""mode":"render","defines":{"side":[8]}"#),
             3,
             "defines.side: a text, a number",

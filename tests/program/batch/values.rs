@@ -1,6 +1,6 @@
 //! `set`: values in place of the scene's.
 
-use crate::jobs::{files, results, run, write};
+use crate::jobs::{files, result, results, run, write};
 use crate::workplace::{SCENE, npy, workplace};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -39,6 +39,49 @@ fn turning() -> Value {
         "mode": "forward", "params": {"card.translation": [1, 0.5, 0], "cam.rotation": [0, 0.1, 0]}, "spp": 16,
         "resolution": [24, 20], "method": "reparam"
     })
+}
+
+#[test]
+fn one_sample_tells_no_standard_error_and_the_result_says_so() {
+    let directory = workplace();
+    let at = directory.path();
+    let forward = |id: &str, spp: u32, rest: Value| {
+        let mut job = json!({"id": id, "mode": "forward", "scene": "s.xml", "spp": spp,
+            "params": {"card.translation": [1, 0, 0]}, "method": "reparam"});
+        job.as_object_mut()
+            .unwrap()
+            .extend(rest.as_object().unwrap().clone());
+        job
+    };
+    let jobs = [
+        forward("asked", 1, json!({"outputs": ["stderr.npy"]})),
+        forward("all", 1, json!({})),
+        forward("without", 1, json!({"stderr": false})),
+        forward("other", 1, json!({"outputs": ["gradient.npy"]})),
+        forward("two", 2, json!({"outputs": ["stderr.npy"]})),
+    ];
+    write(at, "jobs.jsonl", &jobs);
+    let out = run(at, "batch jobs.jsonl -o out -t 1", 0);
+    let message = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(
+        message.matches("tells no standard error").count(),
+        1,
+        "{message}"
+    );
+    for (id, warns) in [
+        ("asked", true),
+        ("all", true),
+        ("without", false),
+        ("other", false),
+        ("two", false),
+    ] {
+        let line = result(&at.join("out"), id);
+        assert_eq!(line["warnings"].is_array(), warns, "{line}");
+        assert_eq!(
+            at.join("out").join(id).join("stderr.npy").exists(),
+            id == "two"
+        );
+    }
 }
 
 #[test]
