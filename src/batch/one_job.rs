@@ -60,6 +60,14 @@ impl Shared<'_> {
             .map_err(failed)?;
         result.spend("prepare", admitted.elapsed().as_secs_f64());
         result.scene_hash = Some(format!("fnv1a64:{:016x}", loaded.scene.hash));
+        if line.scene_before.is_some() && line.scene_before != result.scene_hash {
+            result.warnings.push(format!(
+                "{} has changed since an earlier run did jobs of it: results of both are in {}; choose another -o to \
+                 have all of one",
+                job.scene.display(),
+                self.options.directory.display()
+            ));
+        }
         result.rebuilt = scene.is_rebuilt();
         let scenes = (loaded, &prepared);
         let computed = self.compute(&job, &request, scenes, &settings, progress)?;

@@ -1,10 +1,9 @@
 //! The jobs of a file, sorted so that each scene loads once.
 
-use super::register::{Entry, Line, Outline, Register, hash};
+use super::register::{Entry, Line, Register, hash, scene_of};
 use super::shard::Shard;
 use crate::batch::results::journal::Earlier;
 use crate::jobs::failure::Failure;
-use serde_json::value::RawValue;
 use std::collections::{HashMap, VecDeque};
 use std::path::Path;
 
@@ -59,6 +58,10 @@ impl JobFile {
                 }
             }
         }
+        // Once all are known that are done.
+        for (_, line) in &mut lines {
+            line.scene_before = register.scene_before(&line.text);
+        }
         // Stable: within a scene the order is the file's.
         lines.sort_by_key(|(place, _)| *place);
         Ok(Self {
@@ -87,13 +90,6 @@ fn in_time(lines: Vec<(usize, Line)>) -> VecDeque<Line> {
         order.extend(last);
     }
     order
-}
-
-/// Tells scenes apart as far as the order of jobs needs it.
-fn scene_of(text: &str) -> String {
-    let outline: Outline = serde_json::from_str(text).unwrap_or_default();
-    let defines = outline.defines.map_or("", RawValue::get);
-    format!("{}\0{defines}", outline.scene.unwrap_or_default())
 }
 
 #[cfg(test)]

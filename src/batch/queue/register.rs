@@ -20,6 +20,8 @@ pub struct Line {
     pub id: Option<String>,
     /// Why it will not be run.
     pub refusal: Option<Failure>,
+    /// The hash that its scene had when an earlier run did a job of it.
+    pub scene_before: Option<String>,
 }
 
 /// What is looked at before a line is read in earnest.
@@ -37,6 +39,8 @@ pub struct Outline<'a> {
 pub struct Register {
     lines: HashMap<String, usize>,
     earlier: HashMap<String, ResultLine>,
+    /// Hashes of the scenes of jobs that are done.
+    scenes: HashMap<String, String>,
 }
 
 /// A line that has been looked at.
@@ -54,8 +58,8 @@ impl Register {
         let done = earlier.done.into_iter();
         let by_id = done.filter_map(|(line, _)| Some((line.id.clone()?, line)));
         Self {
-            lines: HashMap::new(),
             earlier: by_id.collect(),
+            ..Self::default()
         }
     }
 
@@ -69,6 +73,7 @@ impl Register {
             hash: hash(text),
             id: outline.id.filter(|id| check_id(id).is_ok()),
             refusal: None,
+            scene_before: None,
         };
         let Some(id) = line.id.clone() else {
             return Entry::Run(line);
@@ -84,6 +89,9 @@ impl Register {
                 return Entry::Unlike(line);
             }
             self.lines.insert(id, number);
+            if let Some(hash) = &done.scene_hash {
+                self.scenes.insert(scene_of(text), hash.clone());
+            }
             let now = ResultLine {
                 line: number,
                 ..done.clone()
@@ -97,6 +105,14 @@ impl Register {
         }
         Entry::Run(line)
     }
+
+    /// The hash that the scene of a line had when an earlier run did a job of it, as far as lines
+    /// have been looked at.
+    pub fn scene_before(&self, text: &str) -> Option<String> {
+        // Most batches have no earlier run.
+        let known = (!self.scenes.is_empty()).then(|| self.scenes.get(&scene_of(text)));
+        known.flatten().cloned()
+    }
 }
 
 /// Tells texts apart.
@@ -104,4 +120,11 @@ pub fn hash(text: &str) -> String {
     let mut hash = Fnv1a::default();
     hash.write(text.as_bytes());
     format!("fnv1a64:{:016x}", hash.0)
+}
+
+/// Tells scenes apart as far as the order of jobs needs it.
+pub fn scene_of(text: &str) -> String {
+    let outline: Outline = serde_json::from_str(text).unwrap_or_default();
+    let defines = outline.defines.map_or("", RawValue::get);
+    format!("{}\0{defines}", outline.scene.unwrap_or_default())
 }

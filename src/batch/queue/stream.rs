@@ -54,7 +54,7 @@ impl Stream {
                 let text = String::from_utf8_lossy(&bytes);
                 match text.trim().is_empty() {
                     true => Next::NotYet,
-                    false => Next::Line(self.register.enter(self.number, &text)),
+                    false => Next::Line(self.enter(&text)),
                 }
             }
             Ok(Err(error)) => {
@@ -64,5 +64,13 @@ impl Stream {
             Err(RecvTimeoutError::Timeout) => Next::NotYet,
             Err(RecvTimeoutError::Disconnected) => Next::End,
         }
+    }
+
+    fn enter(&mut self, text: &str) -> Entry {
+        let mut entry = self.register.enter(self.number, text);
+        if let Entry::Run(line) = &mut entry {
+            line.scene_before = self.register.scene_before(text);
+        }
+        entry
     }
 }

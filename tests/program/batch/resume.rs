@@ -61,6 +61,33 @@ fn what_failed_is_tried_again_and_what_changed_is_refused() {
     );
 }
 
+#[test]
+fn a_scene_that_has_changed_is_told_once() {
+    let directory = workplace();
+    let at = directory.path();
+    let jobs: Vec<_> = (0..4)
+        .map(|i| json!({"id": format!("job-{i}"), "mode": "render", "scene": "s.xml"}))
+        .collect();
+    write(at, "jobs.jsonl", &jobs[..1]);
+    run(at, "batch jobs.jsonl -o out", 0);
+    write(at, "jobs.jsonl", &jobs[..2]);
+    let same = run(at, "batch jobs.jsonl -o out --resume", 0);
+    assert!(!String::from_utf8_lossy(&same.stderr).contains("has changed"));
+    let scene = std::fs::read_to_string(at.join("s.xml")).unwrap();
+    let other = scene.replace("0.2, 0.5, 0.1", "0.2, 0.75, 0.1");
+    std::fs::write(at.join("s.xml"), other).unwrap();
+    write(at, "jobs.jsonl", &jobs);
+    let changed = run(at, "batch jobs.jsonl -o out --resume", 0);
+    let message = String::from_utf8_lossy(&changed.stderr);
+    let said = "s.xml has changed since an earlier run did jobs of it";
+    assert_eq!(message.matches(said).count(), 1, "{message}");
+    let warned = results(&at.join("out")).into_iter().map(|line| {
+        let warning = line["warnings"][0].as_str().unwrap_or_default().to_string();
+        warning.contains(said)
+    });
+    assert_eq!(warned.collect::<Vec<_>>(), [false, false, true, true]);
+}
+
 /// What the folder holds, with what symbolic links in it lead to.
 fn snapshot(directory: &std::path::Path) -> Vec<(String, Vec<u8>)> {
     let mut all = files(directory);
