@@ -9,9 +9,12 @@ use super::signals::Signals;
 use crate::jobs::id::REPORT;
 use crate::jobs::machine;
 use crate::output::atomic;
-use crate::study::run::{Options, Watch};
+use crate::study::config::Plan;
+use crate::study::journal::JOURNAL;
+use crate::study::run::{Found, Options, Watch};
 use crate::study::{bounds, config, peers, report, run};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
@@ -38,25 +41,43 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
         progress: &progress,
         note: &|text| progress.beside(|| log.note(text)),
     };
-    let rows = run::run(&plan, &options, &watch);
+    let found = run::run(&plan, &options, &watch);
     progress.finish();
-    let rows = rows.map_err(|failure| match (failure, signals.received()) {
+    let found = found.map_err(|failure| match (failure, signals.received()) {
         (Failure::Interrupted(_), Some(signal)) => Failure::Interrupted(signal),
         (failure, _) => failure,
     })?;
-    let directory = &options.directory;
-    let mut files = report::write(directory, &plan, &rows, &others.unwrap_or_default())?;
+    let (directory, rows) = (&options.directory, &found.rows);
+    let written = Instant::now();
+    let mut files = report::write(directory, &plan, rows, &others.unwrap_or_default())?;
     if let Some(path) = &arguments.report {
-        put(path, &report::table::markdown(&plan, &rows))?;
+        put(path, &report::table::markdown(&plan, rows))?;
     }
-    files.push(REPORT.into());
+    // Charts, and what else one would look at; the rest was written on the way.
+    let charts = files.len();
+    files.extend([REPORT, JOURNAL, "gradients/"].map(String::from));
+    let beside = [Some(&options.references), arguments.report.as_ref()];
+    files.extend(
+        beside
+            .into_iter()
+            .flatten()
+            .filter(|path| path.exists())
+            .map(|path| name_of(path, directory)),
+    );
     let report = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "command": "study",
         "arguments": typed.iter().skip(1).map(|a| a.to_string_lossy()).collect::<Vec<_>>(),
+        "scenes": scenes(&plan, &found),
+        "seed": plan.seed,
         "backend": options.backend.to_string(),
         "threads": options.threads,
-        "seconds": {"total": started.elapsed().as_secs_f64()},
+        "seconds": {
+            "load": found.load_seconds,
+            "measure": found.measure_seconds,
+            "write": written.elapsed().as_secs_f64(),
+            "total": started.elapsed().as_secs_f64(),
+        },
         "peak_memory_bytes": machine::peak(),
         "files": files,
     });
@@ -65,18 +86,43 @@ pub fn run(arguments: &StudyArguments, typed: &[OsString]) -> Result<(), Failure
     log.note(&format!(
         "{}: study.html and {} more ({seconds:.0} s)",
         directory.display(),
-        files.len() - 1
+        charts
     ));
     if arguments.talk.json {
         let mut stdout = std::io::stdout().lock();
-        stdout.write_all(report::values::json(&plan, &rows)?.as_bytes())?;
+        stdout.write_all(report::values::json(&plan, rows)?.as_bytes())?;
         stdout.flush()?;
     }
-    let broken = bounds::broken(&bounds, &rows);
+    let broken = bounds::broken(&bounds, rows);
     match broken.is_empty() {
         true => Ok(()),
         false => Err(Failure::Disagreement(broken.join("\n"))),
     }
+}
+
+/// As the reports of other commands say it, and what was measured of each.
+fn scenes(plan: &Plan, found: &Found) -> Vec<serde_json::Value> {
+    let scenes = plan.scenes.iter().zip(&found.scene_hashes);
+    scenes
+        .map(|(scene, hash)| {
+            let methods = scene.effort.methods.iter().map(|one| &one.name);
+            json!({
+                "name": scene.name,
+                "path": scene.file.display().to_string(),
+                "hash": format!("fnv1a64:{hash:016x}"),
+                "defines": scene.defines.iter().cloned().collect::<BTreeMap<_, _>>(),
+                "methods": methods.collect::<Vec<_>>(),
+                "spp": scene.effort.spp,
+            })
+        })
+        .collect()
+}
+
+/// Of what is in the directory, from there.
+fn name_of(path: &Path, directory: &Path) -> String {
+    let name = path.strip_prefix(directory).unwrap_or(path);
+    let end = if path.is_dir() { "/" } else { "" };
+    format!("{}{end}", name.display())
 }
 
 fn options(arguments: &StudyArguments) -> Options {

@@ -9,7 +9,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-const NAME: &str = "study.jsonl";
+/// A line for each direction that is done.
+pub const JOURNAL: &str = "study.jsonl";
 
 /// The directions that are done.
 pub struct Journal {
@@ -37,7 +38,7 @@ impl Journal {
             let what = format!("{}: another study is writing there", folder.display());
             return Err(Failure::System(what));
         }
-        let path = folder.join(NAME);
+        let path = folder.join(JOURNAL);
         let bytes = match fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
             read => read.map_err(|error| FileError::unread(&path, &error))?,

@@ -5,7 +5,7 @@ pub mod cell;
 pub mod chart;
 pub mod config;
 mod figures;
-mod journal;
+pub mod journal;
 mod measure;
 mod one_run;
 pub mod peers;

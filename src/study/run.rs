@@ -44,10 +44,22 @@ impl Progress for Silent<'_> {
     }
 }
 
-/// Measures what is not yet in the journal; all rows in the order of the configuration.
-pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Failure> {
+/// What a study has found.
+pub struct Found {
+    /// In the order of the configuration.
+    pub rows: Vec<Row>,
+    /// FNV-1a of everything that was read of each scene of the plan.
+    pub scene_hashes: Vec<u64>,
+    pub load_seconds: f64,
+    pub measure_seconds: f64,
+}
+
+/// Measures what is not yet in the journal.
+pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Found, Failure> {
+    let started = Instant::now();
     // All scenes before the first run: hours must not end in a typing error.
     let scenes: Vec<Scene> = plan.scenes.iter().map(load).collect::<Result<_, _>>()?;
+    let loaded = Instant::now();
     let program = program_hash()?;
     let mut tasks = Vec::new();
     for (scene, of) in scenes.iter().zip(&plan.scenes) {
@@ -100,7 +112,12 @@ pub fn run(plan: &Plan, options: &Options, watch: &Watch) -> Result<Vec<Row>, Fa
         watch.progress.advance(before, total);
         rows.push(row);
     }
-    Ok(rows)
+    Ok(Found {
+        rows,
+        scene_hashes: scenes.iter().map(|scene| scene.hash).collect(),
+        load_seconds: (loaded - started).as_secs_f64(),
+        measure_seconds: loaded.elapsed().as_secs_f64(),
+    })
 }
 
 fn load(plan: &ScenePlan) -> Result<Scene, Failure> {

@@ -2,7 +2,7 @@
 
 use super::write_config;
 use crate::workplace::{text, typed, warpath, workplace};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::Path;
 use warpath::methods::ESTIMATORS;
 
@@ -28,6 +28,29 @@ fn cell<'a>(results: &'a Value, direction: &str, method: &str, spp: u64) -> &'a 
     let cells = row["cells"].as_array().unwrap();
     let is_it = |c: &&Value| c["method"] == method && c["spp"] == spp;
     cells.iter().find(is_it).unwrap()
+}
+
+fn check_report(at: &Path) {
+    let report = std::fs::read(at.join("out/report.json")).unwrap();
+    let report: Value = serde_json::from_slice(&report).unwrap();
+    let scene = &report["scenes"][0];
+    assert_eq!(
+        (&report["seed"], &scene["name"], &scene["path"]),
+        (&json!(3), &json!("card"), &json!("s.xml"))
+    );
+    let hash = scene["hash"].as_str().unwrap();
+    assert!(hash.starts_with("fnv1a64:"), "{hash}");
+    for stage in ["load", "measure", "write", "total"] {
+        assert!(report["seconds"][stage].as_f64().is_some(), "{stage}");
+    }
+    let files = report["files"].as_array().unwrap();
+    for name in files.iter().map(|name| name.as_str().unwrap()) {
+        let there = at.join("out").join(name).exists() || at.join(name).exists();
+        assert!(there, "{name}");
+    }
+    for name in ["study.jsonl", "gradients/", "references/", "r.md"] {
+        assert!(files.contains(&json!(name)), "{name}");
+    }
 }
 
 #[test]
@@ -85,6 +108,7 @@ fn interior_is_found_biased_and_reparam_right() {
     ] {
         assert!(at.join("out").join(name).exists(), "{name}");
     }
+    check_report(at);
     let lines = std::fs::read_to_string(at.join("out/study.csv")).unwrap();
     let columns: Vec<usize> = lines.lines().map(|line| line.split(',').count()).collect();
     assert!(
