@@ -14,8 +14,6 @@ use super::scenes::store::Store;
 use crate::jobs::failure::Failure;
 use crate::jobs::machine;
 use crate::methods::{Progress, Workers};
-use crate::output::FileError;
-use std::fs;
 use std::io::{BufRead, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -30,11 +28,10 @@ const SPARE_JOBS: usize = 2;
 /// Runs the jobs of a file.
 pub fn of_file(path: &Path, options: &Options, watch: &dyn Watch) -> Result<Summary, Failure> {
     // Before the folder is made: where there are no jobs there is nothing to leave.
-    let text = fs::read(path).map_err(|error| FileError::unread(path, &error))?;
+    JobFile::check(path)?;
     let (found, earlier) = Journal::look(&options.directory, options.resume)?;
     // Those who share samples all do all jobs.
-    let file = JobFile::of(path, &text, options.shard_of_jobs(), earlier)?;
-    drop(text);
+    let file = JobFile::read(path, options.shard_of_jobs(), earlier)?;
     let manifest = options.manifest(file.hash, file.done + file.lines.len());
     manifest.write(&options.directory, options.resume)?;
     // Nothing was changed before all was known to be in order.

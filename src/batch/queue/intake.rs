@@ -4,7 +4,10 @@ use super::register::{Entry, Line, Register, hash, scene_of};
 use super::shard::Shard;
 use crate::batch::results::journal::Earlier;
 use crate::jobs::failure::Failure;
+use crate::output::FileError;
 use std::collections::{HashMap, VecDeque};
+use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Jobs of a scene that are left when the next scene begins to load.
@@ -21,13 +24,19 @@ pub struct JobFile {
 }
 
 impl JobFile {
-    /// Looks at all lines of `path`, which are `text`, and keeps those of `shard`.
-    pub fn of(
-        path: &Path,
-        text: &[u8],
-        shard: Option<Shard>,
-        earlier: Earlier,
-    ) -> Result<Self, Failure> {
+    /// Refuses a file that is not there, and begins no pipe.
+    pub fn check(path: &Path) -> Result<(), FileError> {
+        let found = fs::metadata(path).and_then(|about| match about.file_type() {
+            kind if kind.is_dir() => Err(ErrorKind::IsADirectory.into()),
+            kind if kind.is_file() => File::open(path).map(drop),
+            _ => Ok(()),
+        });
+        found.map_err(|error| FileError::unread(path, &error))
+    }
+
+    /// Looks at all lines of `path`, and keeps those of `shard`.
+    pub fn read(path: &Path, shard: Option<Shard>, earlier: Earlier) -> Result<Self, Failure> {
+        let text = fs::read(path).map_err(|error| FileError::unread(path, &error))?;
         let mut register = Register::new(earlier);
         let mut places: HashMap<String, usize> = HashMap::new();
         let mut lines: Vec<(usize, Line)> = Vec::new();
@@ -67,7 +76,7 @@ impl JobFile {
         Ok(Self {
             lines: in_time(lines),
             done,
-            hash: hash(&String::from_utf8_lossy(text)),
+            hash: hash(&String::from_utf8_lossy(&text)),
         })
     }
 }
@@ -98,6 +107,8 @@ mod tests {
 
     #[test]
     fn jobs_of_one_scene_stand_together_and_ids_stand_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("jobs.jsonl");
         let lines = [
             r#"{"id":"a","scene":"s.xml"}"#,
             r#"{"id":"b","scene":"t.xml"}"#,
@@ -107,11 +118,11 @@ mod tests {
             r#"{"id":"d","scene":"s.xml"}"#,
             r#"{"id":"a","scene":"t.xml"}"#,
         ];
-        let text = lines.join("\n");
+        std::fs::write(&path, lines.join("\n")).unwrap();
         let read = |shard| {
-            let path = Path::new("jobs.jsonl");
-            let file = JobFile::of(path, text.as_bytes(), shard, Earlier::default());
-            file.unwrap().lines
+            JobFile::read(&path, shard, Earlier::default())
+                .unwrap()
+                .lines
         };
         let numbers = |shard| -> Vec<usize> { read(shard).iter().map(|l| l.number).collect() };
         // The first of each scene comes before the last of the one before it.
