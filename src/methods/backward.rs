@@ -66,15 +66,14 @@ pub fn backward(
     stage.check_geometry(settings.method)?;
     check_size(&adjoint, stage.size)?;
     let wanted = Wanted::new(scene, request);
-    let swept = sweep_tiles(&stage, &wanted, &adjoint.pixels, progress, &mut statistics)?;
-
-    let sums = swept.sums.into_iter();
-    let groups: Vec<SceneDifferential> = sums
-        .map(|mut sums| {
-            sums.scale(magnitude);
-            sums.finish(scene, &stage.parts.geometry, &stage.camera, request)
-        })
-        .collect();
+    let asked = Asked {
+        request,
+        wanted: &wanted,
+        adjoint: &adjoint.pixels,
+        magnitude,
+    };
+    let swept = sweep_tiles(&stage, &asked, progress, &mut statistics)?;
+    let groups = swept.groups;
     let gradient = SceneDifferential::mean(&groups);
     let own = stage.image(swept.images.finish()?.0);
     let (loss, image) = match objective {
@@ -91,39 +90,32 @@ pub fn backward(
     })
 }
 
+/// What the gradient is of, and by.
+struct Asked<'a> {
+    request: &'a SceneDifferential,
+    wanted: &'a Wanted,
+    /// The derivative by the image, over `magnitude`.
+    adjoint: &'a [Rgb],
+    magnitude: f64,
+}
+
 /// What all tiles add up to.
 struct Swept {
     images: GroupImages,
-    /// Of each group.
-    sums: Vec<FilmSums>,
+    /// Each group's gradient.
+    groups: Vec<SceneDifferential>,
     terms: Terms,
-}
-
-impl Swept {
-    /// Nothing yet.
-    fn new(stage: &Stage, wanted: &Wanted) -> Result<Self, EngineError> {
-        let scene = stage.scene;
-        let sums = stage.own_groups();
-        Ok(Self {
-            images: stage.group_images()?,
-            sums: sums
-                .map(|_| FilmSums::new(scene, &stage.parts.geometry, wanted))
-                .collect::<Result<Vec<_>, _>>()?,
-            terms: Terms::new(scene.meshes.len(), scene.textures.len()),
-        })
-    }
 }
 
 /// Traces every tile and differentiates it, given the derivative by the image.
 fn sweep_tiles(
     stage: &Stage,
-    wanted: &Wanted,
-    adjoint: &[Rgb],
+    asked: &Asked,
     progress: &dyn Progress,
     statistics: &mut Statistics,
 ) -> Result<Swept, EngineError> {
     let clock = StageClock::start();
-    let (scene, geometry) = (stage.scene, &stage.parts.geometry);
+    let (scene, geometry, wanted) = (stage.scene, &stage.parts.geometry, asked.wanted);
     let view = stage.view();
     let estimator = stage.estimator();
     let drift = stage.drift(&view, &*estimator);
@@ -143,10 +135,25 @@ fn sweep_tiles(
         filter_follows: estimator.warp().is_some_and(Warp::filter_follows),
     };
     let (stores, scratch) = (Spare::new(), Spare::new());
-    let mut swept = Swept::new(stage, wanted)?;
+    let mut swept = Swept {
+        images: stage.group_images()?,
+        groups: Vec::new(),
+        terms: Terms::new(scene.meshes.len(), scene.textures.len()),
+    };
+    // Groups come one after another, and large scenes have no room for the sums of all.
+    let mut sums = FilmSums::new(scene, geometry, wanted)?;
+    let mut not_finite = 0;
+    let mut finish = |sums: &mut FilmSums| {
+        let mut own = scratch.take(|| TileSums::new(scene, geometry, wanted));
+        not_finite += add_followed(&sweep, sums, &mut own);
+        scratch.give_back(own);
+        sums.scale(asked.magnitude);
+        sums.take(scene, geometry, &stage.camera, asked.request)
+    };
+    let first = stage.own_groups().start;
     let scratch_bytes = TileSums::bytes_needed(scene, geometry, wanted);
     room::look_for(stage.threads() as u64 * scratch_bytes)?;
-    let adjoints = stage.tiling.part(adjoint);
+    let adjoints = stage.tiling.part(asked.adjoint);
     stage.for_each_tile(
         progress,
         statistics,
@@ -179,41 +186,38 @@ fn sweep_tiles(
             ((block, gradient), counts)
         },
         |group, (block, gradient)| {
-            let own = (group - stage.own_groups().start) as usize;
+            if (group - first) as usize > swept.groups.len() {
+                swept.groups.push(finish(&mut sums));
+            }
             swept.images.add(group, &block);
-            swept.sums[own].add(&gradient);
+            sums.add(&gradient);
             swept.terms.absorb(&gradient.terms);
         },
     )?;
-    let mut counts = Counts::default();
-    if drift.is_some() || sweep.lobe_drift.is_some() {
-        let scratch = TileSums::new(scene, geometry, wanted);
-        counts.gradient_not_finite += add_followed(&sweep, &mut swept.sums, scratch);
-    }
-    statistics.add_counts(&counts);
+    swept.groups.push(finish(&mut sums));
+    statistics.add_counts(&Counts {
+        gradient_not_finite: not_finite,
+        ..Counts::default()
+    });
     clock.stop(statistics);
     Ok(swept)
 }
 
-/// Hands what the groups have collected at the drift's nodes and for bodies to the points that
-/// these follow. Returns how much of it was not finite.
-fn add_followed(sweep: &BackwardSweep, groups: &mut [FilmSums], mut scratch: TileSums) -> u64 {
-    let mut not_finite = 0;
-    for sums in groups {
-        for (body, bar) in std::mem::take(&mut sums.bodies) {
-            sweep.add_body(body, bar, &mut scratch);
-        }
-        for (node, bar) in std::mem::take(&mut sums.drift) {
-            for followed in sweep.drift.iter().flat_map(|drift| &drift.followed[node]) {
-                let bar = bar.map(|b| b * followed.share);
-                sweep.add_followed(followed, bar, &mut scratch);
-            }
-        }
-        let gradient = scratch.take();
-        not_finite += gradient.not_finite;
-        sums.add(&gradient);
+/// Hands what a group has collected at the drift's nodes and for bodies to the points that these
+/// follow. Returns how much of it was not finite.
+fn add_followed(sweep: &BackwardSweep, sums: &mut FilmSums, scratch: &mut TileSums) -> u64 {
+    for (body, bar) in std::mem::take(&mut sums.bodies) {
+        sweep.add_body(body, bar, scratch);
     }
-    not_finite
+    for (node, bar) in std::mem::take(&mut sums.drift) {
+        for followed in sweep.drift.iter().flat_map(|drift| &drift.followed[node]) {
+            let bar = bar.map(|b| b * followed.share);
+            sweep.add_followed(followed, bar, scratch);
+        }
+    }
+    let gradient = scratch.take();
+    sums.add(&gradient);
+    gradient.not_finite
 }
 
 /// Takes a power of two out of an objective's derivative by the image, and returns it. The sweep

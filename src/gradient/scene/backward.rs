@@ -81,10 +81,10 @@ pub struct TileGradient {
 }
 
 impl TileSums {
-    /// What one takes in memory, all of it touched.
+    /// What one takes in memory before anything is added.
     pub fn bytes_needed(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> u64 {
         let numbers: usize = wanted.counts(scene, geometry).iter().sum();
-        17 * numbers as u64
+        SparseVectors::BYTES * numbers as u64
     }
 
     pub fn new(scene: &Scene, geometry: &Geometry, wanted: &Wanted) -> Self {
@@ -320,22 +320,22 @@ impl FilmSums {
         }
     }
 
-    /// What was asked for, as the gradient of the scene.
-    pub fn finish(
-        self,
+    /// What was asked for, as the gradient of the scene; leaves zeros.
+    pub fn take(
+        &mut self,
         scene: &Scene,
         geometry: &Geometry,
         camera: &Camera,
         request: &SceneDifferential,
     ) -> SceneDifferential {
         let mut gradient = request.clone();
-        let mut positions = self.positions;
+        let positions = &mut self.positions;
         let given = crate::gradient::scene::normals::adjoint(
             scene,
             geometry,
             request,
             &self.normals,
-            &mut positions,
+            positions,
         );
         for (mesh, given) in given.into_iter().enumerate() {
             let range =
@@ -386,6 +386,19 @@ impl FilmSums {
                     .into(),
             });
         }
+        self.clear();
         gradient
+    }
+
+    fn clear(&mut self) {
+        self.positions.fill(DVec3::ZERO);
+        self.normals.fill(DVec3::ZERO);
+        self.texels.fill(DVec3::ZERO);
+        self.camera = CameraSum::default();
+        self.environment = EnvironmentSum::default();
+        self.drift.clear();
+        self.bodies.clear();
+        self.delta_lights.fill(DVec3::ZERO);
+        self.to_uv.fill([0.0; 6]);
     }
 }

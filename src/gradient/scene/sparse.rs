@@ -5,39 +5,37 @@ use glam::Vec3;
 /// A vector a vertex, most of which stay zero.
 #[derive(Default)]
 pub struct SparseVectors {
-    values: Vec<Vec3>,
-    is_touched: Vec<bool>,
-    touched: Vec<u32>,
+    /// Of each vertex, its place in `touched`, counted from one; zero if it has none.
+    places: Vec<u32>,
+    touched: Vec<(u32, Vec3)>,
 }
 
 impl SparseVectors {
+    /// Bytes for each vertex, touched or not.
+    pub const BYTES: u64 = size_of::<u32>() as u64;
+
     pub fn new(len: usize) -> Self {
         Self {
-            values: vec![Vec3::ZERO; len],
-            is_touched: vec![false; len],
+            places: vec![0; len],
             touched: Vec::new(),
         }
     }
 
     #[inline]
     pub fn add(&mut self, vertex: u32, value: Vec3) {
-        let at = vertex as usize;
-        if !self.is_touched[at] {
-            self.is_touched[at] = true;
-            self.touched.push(vertex);
+        let place = &mut self.places[vertex as usize];
+        if *place == 0 {
+            self.touched.push((vertex, Vec3::ZERO));
+            *place = self.touched.len() as u32;
         }
-        self.values[at] += value;
+        self.touched[*place as usize - 1].1 += value;
     }
 
     /// Takes what was added, leaving nothing.
     pub fn drain(&mut self) -> Vec<(u32, Vec3)> {
-        let touched = std::mem::take(&mut self.touched);
-        touched
-            .into_iter()
-            .map(|v| {
-                self.is_touched[v as usize] = false;
-                (v, std::mem::take(&mut self.values[v as usize]))
-            })
-            .collect()
+        for (vertex, _) in &self.touched {
+            self.places[*vertex as usize] = 0;
+        }
+        std::mem::take(&mut self.touched)
     }
 }
