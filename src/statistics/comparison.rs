@@ -52,6 +52,18 @@ pub struct Excess {
 }
 
 impl Comparison {
+    /// Whether the whole along the reference, and blocks of pixels, agree to a relative tolerance as
+    /// far as so many standard errors tell.
+    pub fn agrees(&self, sigmas: f64, tolerance: f64) -> bool {
+        let bias = self.relative_bias.abs();
+        let is_biased = bias > tolerance && bias > sigmas * self.relative_bias_se;
+        let Excess {
+            relative_rms,
+            significance,
+        } = self.blocks;
+        !is_biased && (significance <= sigmas || relative_rms <= tolerance)
+    }
+
     /// Compares `tested` with `reference`, of one size, whose numbers may be wrong by `rounding` at
     /// least.
     pub fn of(tested: &Replicates, reference: &Replicates, rounding: f64) -> Self {

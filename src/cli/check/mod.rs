@@ -12,7 +12,7 @@ use crate::jobs::direction;
 use crate::scene::Filter;
 use crate::statistics::comparison::Comparison;
 use report::{FOUND, conclude, write_images};
-use runs::{Check, MOST_RUNS, PICTURE_ROUNDING};
+use runs::{Check, MOST_RUNS, PICTURE_ROUNDING, SHORTER};
 use std::ffi::OsString;
 use verdict::{Circumstances, Outcome, SIGNIFICANT, judge};
 
@@ -60,29 +60,36 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         ignores_visibility: moves && method.ignores_visibility(),
         box_filter: matches!(filter, Filter::Box { .. }),
     };
-    let (comparison, verdict) = loop {
+    let tolerance = arguments.tolerance;
+    let judged = |comparison: &Comparison| {
+        let name = method.name();
+        judge(name, circumstances, &transposition, comparison, tolerance)
+    };
+    let (mut comparison, mut verdict) = loop {
         check.run_all()?;
         let comparison = Comparison::of(&check.tested, &check.reference, rounding);
-        let verdict = judge(
-            method.name(),
-            circumstances,
-            &transposition,
-            &comparison,
-            arguments.tolerance,
-        );
+        let verdict = judged(&comparison);
         let goes_on = arguments.until_sure && verdict.outcome == Outcome::CannotTell;
         let most = if goes_on { usize::MAX } else { MOST_RUNS };
-        let is_sharp = comparison.can_tell(arguments.tolerance / SIGNIFICANT);
+        let is_sharp = comparison.can_tell(tolerance / SIGNIFICANT);
         if is_sharp || !check.plan_more(&comparison, most) {
             break (comparison, verdict);
         }
     };
+    let is_doubtful = moves && transposition.agrees;
+    if verdict.outcome == Outcome::Disagrees
+        && is_doubtful
+        && check.takes_shorter_steps(rounding, tolerance)?
+    {
+        comparison = Comparison::of(&check.tested, &check.reference, SHORTER * rounding);
+        verdict = judged(&comparison);
+    }
     write_images(&mut check.session, &check.tested, &check.reference)?;
     conclude(
         check.session,
         &verdict,
         &transposition,
         &comparison,
-        arguments.tolerance,
+        tolerance,
     )
 }

@@ -1,6 +1,6 @@
 //! The runs of a check.
 
-use super::verdict::Transposition;
+use super::verdict::{SIGNIFICANT, Transposition};
 use super::waves::smooth_image;
 use crate::cli::exit::Failure;
 use crate::cli::pace::{Kind, Pace};
@@ -21,6 +21,8 @@ const LEAST_RUNS: usize = 8;
 /// As long as a bias as large as the tolerance could not be told from noise, the noisier side's
 /// runs are doubled, up to this many.
 pub const MOST_RUNS: usize = 32;
+/// Where the usual steps are doubted, so many times shorter ones are asked.
+pub const SHORTER: f64 = 16.0;
 /// Of the brightest pixel: what rounding leaves in the difference of two images.
 pub const PICTURE_ROUNDING: f64 = 1e-6;
 
@@ -143,11 +145,16 @@ impl Check {
 
     /// What finite differences of this image may be wrong by in any pixel.
     pub fn rounding(&self, image: &Image) -> Result<f64, Failure> {
-        let step = methods::difference_step(&self.session.scene, &self.settings, &self.direction)
-            .map_err(|error| Failure::from_engine(error, None))?;
+        let step = self.step()?;
         let numbers = image.pixels.iter().flatten();
         let brightest = numbers.fold(0.0_f32, |most, v| most.max(v.abs()));
         Ok(PICTURE_ROUNDING * f64::from(brightest) / step)
+    }
+
+    /// The step of finite differences.
+    pub fn step(&self) -> Result<f64, Failure> {
+        methods::difference_step(&self.session.scene, &self.settings, &self.direction)
+            .map_err(|error| Failure::from_engine(error, None))
     }
 
     /// One run of the method that is checked.
@@ -173,6 +180,43 @@ impl Check {
         let forward = self.run_forward("fd", Kind::Differences, &settings)?;
         self.reference.add(&forward.gradient, stderr(&forward)?);
         Ok(())
+    }
+
+    /// Whether differences by much shorter steps are others, which are taken then: what moves may pass
+    /// something within a step, as a lamp that hangs a little below a ceiling.
+    pub fn takes_shorter_steps(&mut self, rounding: f64, tolerance: f64) -> Result<bool, Failure> {
+        self.pace.plan(Kind::Differences, LEAST_RUNS);
+        let step = self.step()?;
+        let mut shorter = Replicates::default();
+        for run in 0..LEAST_RUNS {
+            let settings = Settings {
+                method: Method::REFERENCE,
+                seed: nth_seed(self.settings.seed, FIRST_REFERENCE_SEED + run),
+                ..self.settings.clone()
+            };
+            let done = self.timed(Kind::Differences, |session, direction| {
+                session.trace(
+                    "fd",
+                    &settings,
+                    |scene, settings, progress| {
+                        let step = step / SHORTER;
+                        methods::difference(scene, settings, direction, step, progress)
+                    },
+                    |forward| &forward.statistics,
+                )
+            })?;
+            shorter.add(&done.gradient, stderr(&done)?);
+        }
+        let steps = Comparison::of(&shorter, &self.reference, SHORTER * rounding);
+        if steps.agrees(SIGNIFICANT, tolerance) {
+            return Ok(false);
+        }
+        self.session.warn(format!(
+            "finite differences with steps of {step:.2e} are others than with a sixteenth of that, which are taken: what \
+             moves passes something within a step"
+        ));
+        self.reference = shorter;
+        Ok(true)
     }
 
     fn run_forward(
