@@ -137,7 +137,8 @@ impl Shared<'_> {
     }
 
     /// What a pilot comes to, if one is to be asked: of the scene without the job's values, so that
-    /// all jobs with the same question share the answer. A scene that refuses it leaves it to the job's.
+    /// all jobs with the same question share the answer. A scene that refuses it leaves it to the
+    /// job's.
     fn ask_pilot(
         &self,
         request: &Request,

@@ -91,7 +91,8 @@ enum Step {
     Halves(u32),
 }
 
-/// How far a search still goes: silhouettes behind one another, and halves of what is not understood.
+/// How far a search still goes: silhouettes behind one another, and halves of what is not
+/// understood.
 struct Left {
     rounds: u32,
     halvings: u32,
@@ -167,8 +168,8 @@ impl<L: RayLine> Searches<'_, L> {
         false
     }
 
-    /// Where searches go on, before the first and after the second interval, and in which they looked
-    /// at what is seen; `None` if they end.
+    /// Where searches go on, before the first and after the second interval, and in which they
+    /// looked at what is seen; `None` if they end.
     fn parts(&mut self, pair: [usize; 2], left: &mut Left) -> Option<(Option<usize>, [usize; 2])> {
         match self.step(pair) {
             Step::Unknown | Step::Ends => None,

@@ -33,9 +33,9 @@ pub const MAX_OCCLUDERS: usize = 1024;
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// How far beside a crossing that is seen along `d` probes look: an angle as seen from `origin`, and
-/// the fraction of the cell that it must not exceed. What the radiance changes by over that distance
-/// is taken for a part of its jump, so it is as small as it can be.
+/// How far beside a crossing that is seen along `d` probes look: an angle as seen from `origin`,
+/// and the fraction of the cell that it must not exceed. What the radiance changes by over that
+/// distance is taken for a part of its jump, so it is as small as it can be.
 pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: DVec3) -> [f64; 2] {
     let Some(point) = crossing.boundary.seen_along(geometry, origin, d) else {
         return [f64::INFINITY, PROBE];
@@ -132,8 +132,9 @@ impl SurfacePoint {
         self.x + self.geometric * (self.clearance * side)
     }
 
-    /// From where rays start that leave for the point `y`, to there. `leave` starts on the same side:
-    /// a `y` so near to the surface's plane that it lies between the two starts is moved into it.
+    /// From where rays start that leave for the point `y`, to there. `leave` starts on the same
+    /// side: a `y` so near to the surface's plane that it lies between the two starts is moved into
+    /// it.
     pub fn toward(&self, y: DVec3) -> DVec3 {
         let (x, n) = (self.x.as_dvec3(), self.geometric.as_dvec3());
         let height = (y - x).dot(n);

@@ -70,8 +70,8 @@ impl SearchScene<'_> {
         kinds.smooth & (kinds.conductor | kinds.dielectric) != 0
     }
 
-    /// Whether a border is that of a thing that is small as seen from `x`, so that lines mostly miss
-    /// it.
+    /// Whether a border is that of a thing that is small as seen from `x`, so that lines mostly
+    /// miss it.
     pub fn is_small(&self, border: &Boundary, x: DVec3) -> bool {
         let Boundary::Edge([v, _]) = *border else {
             return false;

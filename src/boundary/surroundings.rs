@@ -2,9 +2,9 @@
 //!
 //! As a point moves past an edge at the distance r, the direction to it turns by one over r: under
 //! the rim of a lamp that hangs close to a ceiling a thousand times as fast as elsewhere. Where one
-//! lane looks for all, it is mostly not the one that is there, and what is found there stands for all
-//! lanes. So a lane looks with a chance that grows with how near it is to other things, as boxes
-//! around meshes tell.
+//! lane looks for all, it is mostly not the one that is there, and what is found there stands for
+//! all lanes. So a lane looks with a chance that grows with how near it is to other things, as
+//! boxes around meshes tell.
 
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::trace::geometry::Geometry;

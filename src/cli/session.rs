@@ -215,8 +215,8 @@ impl Session {
         Ok(atomic::take_away(&self.directory.join(name))?)
     }
 
-    /// From here on the folder is this run's. A report in it always tells of the files beside it, so
-    /// that of an earlier run goes before the first of them is written over.
+    /// From here on the folder is this run's. A report in it always tells of the files beside it,
+    /// so that of an earlier run goes before the first of them is written over.
     fn prepare_directory(&mut self) -> Result<(), Failure> {
         if !self.directory_is_ready {
             atomic::prepare_directory(&self.directory)?;

@@ -50,8 +50,8 @@ impl Crossing {
         seen[0] == seen[1] && !matches!(self.boundary, Boundary::TextureEdge { .. })
     }
 
-    /// Whether what starts right beside it may start on the other side of what lies there: rays start
-    /// a little off surfaces, and there two of them are nearer to each other than that.
+    /// Whether what starts right beside it may start on the other side of what lies there: rays
+    /// start a little off surfaces, and there two of them are nearer to each other than that.
     pub fn is_tight(&self) -> bool {
         self.kind == Kind::ThinSilhouette || matches!(self.boundary, Boundary::Crease(_))
     }
@@ -124,8 +124,9 @@ impl Reservoir {
         self.pending = Some(crossing);
     }
 
-    /// Offers a bend with this chance; it then stands for as many as it must. Right beside another edge
-    /// it is left out, since who looks beside that sees both, and who looks beside a bend does not.
+    /// Offers a bend with this chance; it then stands for as many as it must. Right beside another
+    /// edge it is left out, since who looks beside that sees both, and who looks beside a bend does
+    /// not.
     pub fn meet_facet_edge(&mut self, crossing: Crossing, chance: f64) {
         let is_beside =
             |other: Crossing| other.kind != Kind::FacetEdge && crossing.s - other.s <= self.gap;

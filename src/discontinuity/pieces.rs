@@ -103,8 +103,8 @@ impl Outlines {
     }
 }
 
-/// The sine of the angle by which the triangle across an edge rises above a triangle's plane; `None`
-/// where they are wound differently, or one has no area.
+/// The sine of the angle by which the triangle across an edge rises above a triangle's plane;
+/// `None` where they are wound differently, or one has no area.
 fn bend(geometry: &Geometry, triangle: u32, across: Across) -> Option<f64> {
     if across.flipped {
         return None;

@@ -70,8 +70,8 @@ pub fn lines(
     found
 }
 
-/// A coordinate, which is an integer if rounding alone keeps it from being one: spheres and cylinders
-/// have edges where pictures of a few squares jump.
+/// A coordinate, which is an integer if rounding alone keeps it from being one: spheres and
+/// cylinders have edges where pictures of a few squares jump.
 fn snapped(coordinate: f64) -> f64 {
     let nearest = coordinate.round();
     if (coordinate - nearest).abs() < ROUNDING {
@@ -97,8 +97,8 @@ fn across_triangle(height: DVec3) -> Option<[[f64; 2]; 2]> {
 }
 
 /// Whether pictures jump across the edge that starts at `corner` of a triangle: as their texture
-/// coordinates do, or since both sides have vertices, or triangles, with values of their own, or turn
-/// normals about axes of their own.
+/// coordinates do, or since both sides have vertices, or triangles, with values of their own, or
+/// turn normals about axes of their own.
 pub fn is_seam(geometry: &Geometry, triangle: u32, corner: usize, across: &Across) -> bool {
     let Some(pattern) = geometry.pattern(triangle) else {
         return false;

@@ -32,8 +32,8 @@ pub fn is_zero(direction: &Direction) -> bool {
     all.all(|value| *value == 0.0)
 }
 
-/// Finds parameters that sensor `sensor` can be differentiated by, each under the name that it is asked
-/// for by: so are its results named. Two names of the same one are a mistake.
+/// Finds parameters that sensor `sensor` can be differentiated by, each under the name that it is
+/// asked for by: so are its results named. Two names of the same one are a mistake.
 pub fn find(scene: &Scene, keys: &[&str], sensor: usize) -> Result<Vec<Parameter>, Failure> {
     let mut found = distinct(keys.iter().map(|key| parameters::find(scene, key)))?;
     for (parameter, key) in found.iter_mut().zip(keys) {

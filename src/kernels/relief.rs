@@ -8,7 +8,8 @@ use crate::lanes::{Real, V3};
 /// projection of `du`, across it, and along `n`.
 ///
 /// `du` and `dv` are the derivatives of the position by the texture coordinates, and `rises` (x and
-/// y) those of the height above it. How the normal below the bumps turns is left out, as in Mitsuba.
+/// y) those of the height above it. How the normal below the bumps turns is left out, as in
+/// Mitsuba.
 ///
 /// inputs: n 0.5..0.6, du 0.3..0.9, dv -0.9..-0.3, rises 0.1..0.5
 pub fn bump<F: Real>(n: V3<F>, du: V3<F>, dv: V3<F>, rises: V3<F>) -> V3<F> {

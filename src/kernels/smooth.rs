@@ -5,8 +5,8 @@ use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Real, V3};
 
-/// Where the ray from `o` along `d` meets the plane of a triangle, the unit normal there on the side
-/// from which the ray comes, and the barycentrics of the second and third vertex.
+/// Where the ray from `o` along `d` meets the plane of a triangle, the unit normal there on the
+/// side from which the ray comes, and the barycentrics of the second and third vertex.
 ///
 /// `corners` and `normals` are those of the triangle's vertices; the latter count where `is_shaded`
 /// holds. `facing` is ±1, the side of the normal from which the ray comes.
@@ -28,8 +28,8 @@ pub fn smooth_hit<F: Real>(
     (o + d * t, n, b1, b2)
 }
 
-/// The unit direction in which a smooth interface of unit normal `n` reflects or refracts a ray along
-/// `d`; what does neither lets it go straight on.
+/// The unit direction in which a smooth interface of unit normal `n` reflects or refracts a ray
+/// along `d`; what does neither lets it go straight on.
 ///
 /// `ratio` is the index of refraction beyond the surface over that on this side. Where nothing is
 /// refracted the direction is of no meaning.

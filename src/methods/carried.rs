@@ -2,18 +2,19 @@
 //!
 //! At a film point that rests every difference of images sees something else come by, where there
 //! are many edges, fine pictures, or smooth surfaces that turn light far away; and it divides what
-//! that changes by its step. Let T(u) = u + (θ' − θ)·V(u) map the film onto itself, for a field V of
-//! velocities that vanishes at its rim. With f the radiance and h a pixel's filter,
+//! that changes by its step. Let T(u) = u + (θ' − θ)·V(u) map the film onto itself, for a field V
+//! of velocities that vanishes at its rim. With f the radiance and h a pixel's filter,
 //!
 //!   ∫ h(u) f(u; θ') du = ∫ h(T(u)) f(T(u); θ') det ∇T(u) du
 //!
-//! for every V and every θ': the images are the same in the mean, and so are their differences. If V
-//! is about the velocity of what is seen, samples see at θ' what they have seen at θ. What is left
-//! is what lies before one another and moves apart, and the noise of an image whose filter slides.
+//! for every V and every θ': the images are the same in the mean, and so are their differences. If
+//! V is about the velocity of what is seen, samples see at θ' what they have seen at θ. What is
+//! left is what lies before one another and moves apart, and the noise of an image whose filter
+//! slides.
 //!
 //! V is that of the film's drift ([`crate::paths::film::drift`]), with another choice of what nodes
-//! follow: whatever moves, since nothing finds borders here, and most of all what is nearest, because
-//! borders belong to what lies in front.
+//! follow: whatever moves, since nothing finds borders here, and most of all what is nearest,
+//! because borders belong to what lies in front.
 
 use super::error::EngineError;
 use super::prepared::Prepared;
@@ -40,8 +41,8 @@ const IN_FRONT: f64 = 0.9;
 /// film must not be folded.
 pub const MOST_PIXELS: f64 = 0.3;
 
-/// Whether samples can be carried along a direction: something moves that is seen, by a perspective,
-/// and no pixel begins with a jump.
+/// Whether samples can be carried along a direction: something moves that is seen, by a
+/// perspective, and no pixel begins with a jump.
 pub fn is_possible(scene: &Scene, settings: &Settings, tangent: &SceneDifferential) -> bool {
     let sensor = &scene.sensors[settings.sensor];
     let moves = tangent.camera.is_some() || tangent.positions.iter().any(Option::is_some);

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Answers that are kept; the oldest goes first.
 const MOST: usize = 8;
 
-/// What was asked: the settings, how many differences would answer, if they can, whether to survey the
-/// film, and the direction.
+/// What was asked: the settings, how many differences would answer, if they can, whether to survey
+/// the film, and the direction.
 #[derive(Clone, PartialEq)]
 pub struct Asked {
     settings: Settings,
@@ -62,8 +62,8 @@ impl Asked {
 }
 
 impl Decisions {
-    /// The answer: that of before, or else what `ask` comes to. Who asks the same meanwhile waits for
-    /// it; if it fails, they ask themselves.
+    /// The answer: that of before, or else what `ask` comes to. Who asks the same meanwhile waits
+    /// for it; if it fails, they ask themselves.
     pub fn once<E>(
         &self,
         asked: Asked,

@@ -13,8 +13,8 @@ const STEP_COLOUR: f64 = 0.01;
 /// And no more than this part of the way to the nearest limit.
 const STEP_ROOM: f64 = 0.2;
 
-/// A step along the direction that moves the fastest point by a tenth of a pixel: of what is seen, or
-/// of lights without an extent and of the sky as they would be seen.
+/// A step along the direction that moves the fastest point by a tenth of a pixel: of what is seen,
+/// or of lights without an extent and of the sky as they would be seen.
 pub fn step(
     scene: &Scene,
     settings: &Settings,
@@ -70,8 +70,9 @@ pub fn step(
     })
 }
 
-/// By how much what is seen in smooth surfaces turns at most, in radians or so, as pictures change that
-/// turn their normals: a normal by twice what a map changes, and what it reflects by twice that.
+/// By how much what is seen in smooth surfaces turns at most, in radians or so, as pictures change
+/// that turn their normals: a normal by twice what a map changes, and what it reflects by twice
+/// that.
 fn fastest_in_reliefs(scene: &Scene, tangent: &SceneDifferential) -> f64 {
     let smooth = scene.materials.iter().filter(|m| m.bsdf.is_smooth());
     let reliefs = smooth.filter_map(|m| m.relief);

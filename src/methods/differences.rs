@@ -6,9 +6,10 @@
 //! D(2h))/3. Russian roulette is off, since a path that ends because θ moved is a jump that no
 //! derivative has.
 //!
-//! Where samples are carried ([`super::carried`]) it is D(h) alone, half the images and, of what jumps,
-//! 0.72 of the variance or less. Its step is the usual up to 64 samples a pixel, and then falls with
-//! the fifth root of their number, so that its error, which falls with h², stays below the noise.
+//! Where samples are carried ([`super::carried`]) it is D(h) alone, half the images and, of what
+//! jumps, 0.72 of the variance or less. Its step is the usual up to 64 samples a pixel, and then
+//! falls with the fifth root of their number, so that its error, which falls with h², stays below
+//! the noise.
 
 use super::carried;
 use super::difference_step::step;

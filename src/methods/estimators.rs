@@ -115,8 +115,8 @@ pub enum Way {
     /// Stored paths are differentiated, forwards or backwards. Any of the samples can be
     /// differentiated apart.
     Paths,
-    /// Images of scenes that are displaced along one direction are compared. In reverse that takes one
-    /// difference for each number, and each image needs all the samples.
+    /// Images of scenes that are displaced along one direction are compared. In reverse that takes
+    /// one difference for each number, and each image needs all the samples.
     Images {
         /// Whether the samples are carried along with what they see.
         are_carried: bool,

@@ -29,8 +29,8 @@ const LEAST_PATHS: f64 = 1024.0;
 /// What a first look has in all that will be done, and later ones.
 const FIRST_SHARE: f64 = 1.0 / 256.0;
 const LATER_SHARE: f64 = 1.0 / 32.0;
-/// What a survey has in all that will be done, the least and the most samples a pixel of one, and its
-/// groups.
+/// What a survey has in all that will be done, the least and the most samples a pixel of one, and
+/// its groups.
 const SURVEY_SHARE: f64 = 1.0 / 32.0;
 const SURVEY_SAMPLES: [u32; 2] = [2, 8];
 const SURVEY_GROUPS: u32 = 2;
@@ -113,8 +113,8 @@ impl Job {
 }
 
 impl Job {
-    /// How to see where the noise lies on the film: all of it, with a few samples of the many. None if
-    /// there are not many, or no more than one of a group, which leaves nothing to spare.
+    /// How to see where the noise lies on the film: all of it, with a few samples of the many. None
+    /// if there are not many, or no more than one of a group, which leaves nothing to spare.
     pub fn survey(&self, settings: &Settings) -> Option<Settings> {
         let all = self.times * f64::from(self.spp);
         let spp = (SURVEY_SHARE * all) as u32;
@@ -166,8 +166,9 @@ impl Look {
     }
 }
 
-/// How many groups a look of so many paths has, and how many samples a pixel each of them. The job's
-/// groups have `of_group`: a look's samples lie as theirs, so on a small film it has more groups.
+/// How many groups a look of so many paths has, and how many samples a pixel each of them. The
+/// job's groups have `of_group`: a look's samples lie as theirs, so on a small film it has more
+/// groups.
 fn groups(paths: f64, pixels: f64, of_group: u32) -> [u32; 2] {
     let (count, least) = match paths < WHOLE_PATHS {
         true => (FEW_GROUPS, FEW_SAMPLES),
@@ -183,7 +184,8 @@ fn groups(paths: f64, pixels: f64, of_group: u32) -> [u32; 2] {
 mod tests {
     use super::*;
 
-    /// A look is as long as it is to be, on a small film, too, and no group is denser than the job's.
+    /// A look is as long as it is to be, on a small film, too, and no group is denser than the
+    /// job's.
     #[test]
     fn looks_have_their_paths() {
         for side in [16.0, 32.0, 64.0] {

@@ -1,11 +1,13 @@
 //! Where a gradient image has its noise, and how densely its film is best sampled for it.
 //!
-//! With n(x) samples a pixel the variance of an image is Σ v(x)/n(x), if v is that of one sample, and
-//! its work Σ w(x) n(x). For the same work the variance is least where n goes as √(v/w). A pilot knows
-//! v from few samples and overlooks what is rare, so half of the work is spent evenly all the same.
+//! With n(x) samples a pixel the variance of an image is Σ v(x)/n(x), if v is that of one sample,
+//! and its work Σ w(x) n(x). For the same work the variance is least where n goes as √(v/w). A
+//! pilot knows v from few samples and overlooks what is rare, so half of the work is spent evenly
+//! all the same.
 //!
 //! What chance leaves on the film itself, as along an outline, falls sooner than with 1/n, with its
-//! power of 3/2 about. So fewer samples are taken to cost that much, and more to bring no more than 1/n.
+//! power of 3/2 about. So fewer samples are taken to cost that much, and more to bring no more than
+//! 1/n.
 
 use crate::paths::counts::Counts;
 use crate::paths::film::density::DensityMap;
@@ -68,8 +70,8 @@ struct Noise {
 }
 
 impl NoiseMap {
-    /// That of a pilot's gradient image with these standard errors, as far as it has looked; `work_of`
-    /// tells the work of what was done in a tile.
+    /// That of a pilot's gradient image with these standard errors, as far as it has looked;
+    /// `work_of` tells the work of what was done in a tile.
     pub fn new(
         stderr: &Image,
         tiles: &[(Pixels, Counts)],
@@ -217,8 +219,8 @@ impl Grid {
     }
 
     /// The samples of a group in each block, of these that there may be and with no more work than
-    /// `even` ones take, and the gain by them; what reaches a block from beside it lies so many sides
-    /// away.
+    /// `even` ones take, and the gain by them; what reaches a block from beside it lies so many
+    /// sides away.
     fn best(&self, ladder: &[u32], even: u32, reach: f64) -> Option<(Vec<u32>, f64)> {
         let wanted: Vec<f64> = self.blocks.iter().map(Noise::wanted).collect();
         let work: f64 = self.blocks.iter().map(|block| block.work).sum();
@@ -278,8 +280,8 @@ impl Noise {
     }
 }
 
-/// The samples of a group that there may be in a pixel, rising. Other than even ones are square numbers,
-/// whose lattices are as fine along both axes.
+/// The samples of a group that there may be in a pixel, rising. Other than even ones are square
+/// numbers, whose lattices are as fine along both axes.
 fn ladder(even: u32) -> Vec<u32> {
     let square = |samples: f64| (samples.sqrt().round() as u32).max(1).pow(2);
     let rungs = LADDER.iter().map(|&by| match by {

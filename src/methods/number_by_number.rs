@@ -1,9 +1,9 @@
 //! Reverse mode by differences: one difference for every number that is asked for.
 //!
-//! With w the derivative of the objective by the image, the derivative by a number θᵢ is ⟨w, ∂I/∂θᵢ⟩,
-//! and the image's derivative along θᵢ is a difference ([`super::differences`]). That is two
-//! renderings or four for each number, which is worth it for a few numbers where stored paths have much
-//! more noise: smooth metal and glass, scanned meshes.
+//! With w the derivative of the objective by the image, the derivative by a number θᵢ is ⟨w,
+//! ∂I/∂θᵢ⟩, and the image's derivative along θᵢ is a difference ([`super::differences`]). That is
+//! two renderings or four for each number, which is worth it for a few numbers where stored paths
+//! have much more noise: smooth metal and glass, scanned meshes.
 
 use super::differences::{Displaced, Part, Steps};
 use super::error::EngineError;

@@ -1,8 +1,8 @@
 //! What `auto` does: a pilot tries what may be best, and the rest is done by what has the least
 //! noise for its work.
 //!
-//! The pilot renders some tiles of the film with random numbers of its own, so what it comes to does
-//! not depend on the samples that it is used for: whichever it is, their mean is the gradient.
+//! The pilot renders some tiles of the film with random numbers of its own, so what it comes to
+//! does not depend on the samples that it is used for: whichever it is, their mean is the gradient.
 //! Noise is the variance of the gradient image, from independent groups of samples. Work is counted
 //! in rays and not in seconds, so all processes and all runs come to the same.
 

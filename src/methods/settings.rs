@@ -63,13 +63,14 @@ impl Settings {
         self.method.asks_a_pilot() && !self.is_decided()
     }
 
-    /// Whether `auto` has come to what is to be done. Then differences are taken only where something
-    /// moves edges.
+    /// Whether `auto` has come to what is to be done. Then differences are taken only where
+    /// something moves edges.
     pub fn is_decided(&self) -> bool {
         self.constants.mixture.is_some()
     }
 
-    /// Those of an objective's gradient: what is known of noise counts by the objective's derivative.
+    /// Those of an objective's gradient: what is known of noise counts by the objective's
+    /// derivative.
     pub fn weighted_by(&self, adjoint: &Image) -> Self {
         let noise = self.noise.as_ref().map(|noise| noise.weighted(adjoint));
         Self {
@@ -78,8 +79,9 @@ impl Settings {
         }
     }
 
-    /// Those of a gradient of what moves: where the lens has an extent each tile of each group looks
-    /// through one point of it, so there are more groups, unless someone else has parted the samples.
+    /// Those of a gradient of what moves: where the lens has an extent each tile of each group
+    /// looks through one point of it, so there are more groups, unless someone else has parted the
+    /// samples.
     pub fn through_lens(&self, sensor: &Sensor, moves: bool) -> Self {
         let mut settings = self.clone();
         if moves && settings.groups.is_none() && matches!(sensor.lens, Lens::Thin { .. }) {

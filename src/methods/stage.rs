@@ -208,8 +208,8 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The same as the paths of a tile see it: if something moves, through one point of the lens. So
-    /// what is found between neighbours is found as with a pinhole.
+    /// The same as the paths of a tile see it: if something moves, through one point of the lens.
+    /// So what is found between neighbours is found as with a pinhole.
     pub fn view_of_tile(&self, group: u32, tile: usize) -> SceneView<'_> {
         let mut view = self.view();
         if self.has_tile_lenses {

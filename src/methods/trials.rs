@@ -29,8 +29,8 @@ const USUAL: Mixture = Mixture {
 
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
-/// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and 2.3
-/// in meshes of 150,000 and 360,000 vertices.
+/// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and
+/// 2.3 in meshes of 150,000 and 360,000 vertices.
 const DISPLACED_VERTEX_US: f64 = 0.375;
 
 /// To find a border, beside its rays.
@@ -248,8 +248,8 @@ impl<'a> Trials<'a> {
         Ok(Answer { way, noise, pilot })
     }
 
-    /// Where a way has its noise; nothing if what has been seen of it promises nothing, unless it `must`
-    /// be known, or if the job is too short to find out.
+    /// Where a way has its noise; nothing if what has been seen of it promises nothing, unless it
+    /// `must` be known, or if the job is too short to find out.
     fn survey(&self, way: Contender, must: bool) -> Result<Option<NoiseMap>, EngineError> {
         let Some(look) = self.job.survey(&self.settings) else {
             return Ok(None);
@@ -336,9 +336,9 @@ impl Trials<'_> {
     }
 }
 
-/// Films that drift otherwise than the usual one does, among them that at rest. Looks with far fewer
-/// samples a pixel than the job has do not show what following brings: what it costs falls soon, and
-/// what it avoids is seldom met.
+/// Films that drift otherwise than the usual one does, among them that at rest. Looks with far
+/// fewer samples a pixel than the job has do not show what following brings: what it costs falls
+/// soon, and what it avoids is seldom met.
 fn drifts(stage: &Stage, is_dense: bool) -> Vec<OnFilm> {
     let mut films = Vec::new();
     let mut known = vec![stage.drift_by(USUAL)];

@@ -4,8 +4,8 @@ use super::contender::Contender;
 use super::noise_map::NoiseMap;
 use super::statistics::{Pilot, Trial};
 
-/// What promises less than this over what is usual is not worth the risk of being misled, by half of
-/// a whole look or more, and by shorter ones.
+/// What promises less than this over what is usual is not worth the risk of being misled, by half
+/// of a whole look or more, and by shorter ones.
 const WORTHWHILE: f64 = 1.2;
 const WORTHWHILE_IN_SHORT: f64 = 2.0;
 /// Differences may promise less than the best of all else. Few paths hold much of the variance of

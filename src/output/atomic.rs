@@ -63,8 +63,8 @@ pub fn prepare_directory(directory: &Path) -> Result<(), FileError> {
         })
 }
 
-/// Takes away what an earlier run has left under a name that this run will write when it is through:
-/// if it does not come to that, nobody shall take the old file for its own.
+/// Takes away what an earlier run has left under a name that this run will write when it is
+/// through: if it does not come to that, nobody shall take the old file for its own.
 pub fn take_away(path: &Path) -> Result<(), FileError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(FileError::io(

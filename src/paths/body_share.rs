@@ -6,15 +6,15 @@
 //! that the field fades there.
 //!
 //! **Others** are followed by a sphere around x through their middle: what is seen of them lies
-//! nearer and farther alike, and so does it from within the sphere around them, where all directions
-//! follow.
+//! nearer and farther alike, and so does it from within the sphere around them, where all
+//! directions follow.
 //!
-//! **A wall** is followed where a point close to its plane meets it far away, and there alone. At the
-//! height h over the plane and with the cosine c = a·ω at which ω meets it, a being the direction
-//! to the plane, the point met is at the distance h/c. A change ḣ of the height takes it along the
-//! wall by ḣ/c, if ω is fixed; where h is small by many times as far as anything moves. With
-//! V = ḣ c/h (a − c ω) it stays. V's divergence is about ḣ/h, so that nothing is gained where the
-//! wall is met as near as light changes along it.
+//! **A wall** is followed where a point close to its plane meets it far away, and there alone. At
+//! the height h over the plane and with the cosine c = a·ω at which ω meets it, a being the
+//! direction to the plane, the point met is at the distance h/c. A change ḣ of the height takes it
+//! along the wall by ḣ/c, if ω is fixed; where h is small by many times as far as anything moves.
+//! With V = ḣ c/h (a − c ω) it stays. V's divergence is about ḣ/h, so that nothing is gained where
+//! the wall is met as near as light changes along it.
 
 use crate::paths::drift_body::Body;
 use glam::DVec3;
@@ -25,8 +25,8 @@ pub const REACH: f64 = 1.5;
 const NEAR: f64 = 0.6;
 /// Of a body's radius: the least distance that is followed.
 const LEAST_DISTANCE: f64 = 0.5;
-/// Of a wall's radius: the heights over it between which its field fades, and the distances at which
-/// it is met.
+/// Of a wall's radius: the heights over it between which its field fades, and the distances at
+/// which it is met.
 const WALL_HEIGHTS: [f64; 2] = [0.1, 0.2];
 const WALL_DISTANCES: [f64; 2] = [0.25, 0.5];
 /// What is lower, likewise, lies on it, and sees nothing of it above its horizon.
@@ -137,9 +137,9 @@ pub fn is_followed_from(body: &Body, x: DVec3) -> bool {
     body.plane_normal().is_none_or(leads)
 }
 
-/// The unit direction to the plane of a wall whose middle is at `to` from x, if any direction follows
-/// the wall: x is low over it, and in the sphere around it, so that lines which meet that are known
-/// to meet all of its field.
+/// The unit direction to the plane of a wall whose middle is at `to` from x, if any direction
+/// follows the wall: x is low over it, and in the sphere around it, so that lines which meet that
+/// are known to meet all of its field.
 fn across_to_wall(normal: DVec3, radius: f64, to: DVec3) -> Option<DVec3> {
     let height = normal.dot(to);
     let is_low = height.abs() < WALL_HEIGHTS[1] * radius && height.abs() > LEAST_HEIGHT * radius;
@@ -153,7 +153,8 @@ fn rise(x: f64, from: f64, to: f64) -> (f64, f64) {
     (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / (to - from))
 }
 
-/// The cosine of the half-angle whose sine this is; of a cone that x lies in, that of all directions.
+/// The cosine of the half-angle whose sine this is; of a cone that x lies in, that of all
+/// directions.
 fn cone(sin: f64) -> f64 {
     if sin < 1.0 {
         (1.0 - sin * sin).sqrt()

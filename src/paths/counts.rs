@@ -16,8 +16,8 @@ pub struct Counts {
     pub edge: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
-    /// Samples of borders that were found, one for each piece of an outline, each chain and each end of
-    /// a shadow; a cell may have several.
+    /// Samples of borders that were found, one for each piece of an outline, each chain and each
+    /// end of a shadow; a cell may have several.
     pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,

@@ -99,8 +99,8 @@ pub enum Single {
     Looks,
     /// Where such a point of the pilot looks for what is near: node, number of the look, axis.
     DriftLook,
-    /// Where a point lies on a facet that is seen edge-on: triangle, point, axis; and, as a third of
-    /// the first, whether there is one more.
+    /// Where a point lies on a facet that is seen edge-on: triangle, point, axis; and, as a third
+    /// of the first, whether there is one more.
     FacetPoint,
 }
 

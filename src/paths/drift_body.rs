@@ -1,20 +1,20 @@
 //! The bodies that directions follow (`paths::lobe_drift`), and how they move.
 //!
-//! A *ball* is seen by its outline, which rests if it turns about itself: the velocity of its middle
-//! is followed. Others are seen by their parts, which turn with them, so that their rotation is
-//! followed, too. Of a *wall*, which is flat, only the motion across its plane is followed.
+//! A *ball* is seen by its outline, which rests if it turns about itself: the velocity of its
+//! middle is followed. Others are seen by their parts, which turn with them, so that their rotation
+//! is followed, too. Of a *wall*, which is flat, only the motion across its plane is followed.
 //!
-//! These are means over a few vertices vᵢ at the arms rᵢ from their middle. The velocity is v̄ = ⟨v⟩.
-//! The rotation is that of least squares, ω = J⁻¹⟨r × v⟩ with J = ⟨r² − r rᵀ⟩; it is exact of what
-//! moves rigidly.
+//! These are means over a few vertices vᵢ at the arms rᵢ from their middle. The velocity is v̄ =
+//! ⟨v⟩. The rotation is that of least squares, ω = J⁻¹⟨r × v⟩ with J = ⟨r² − r rᵀ⟩; it is exact of
+//! what moves rigidly.
 
 use glam::{DMat3, DVec3};
 use std::ops::AddAssign;
 
 /// Vertices that stand for a body.
 const MOST_VERTICES: usize = 64;
-/// Of the product of a body's moments of inertia, relative to their mean's cube, below which all of it
-/// lies on a line and has no rotation.
+/// Of the product of a body's moments of inertia, relative to their mean's cube, below which all of
+/// it lies on a line and has no rotation.
 const LEAST_MOMENT: f64 = 1e-6;
 
 /// Something that directions follow.

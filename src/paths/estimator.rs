@@ -53,8 +53,8 @@ pub trait BoundaryEstimator: Sync {
         None
     }
 
-    /// Whether it wants to know what bounces from the last vertices meet, and not only which light they
-    /// see.
+    /// Whether it wants to know what bounces from the last vertices meet, and not only which light
+    /// they see.
     fn asks_what_bounces_meet(&self) -> bool {
         true
     }

@@ -1,7 +1,7 @@
 //! Tracing paths, one packet of lanes at a time: camera ray, light samples, bounce, and so on.
 //!
-//! `paths::light`, `paths::environment` and `paths::surface` draw and weigh. Wherever an integral is
-//! estimated whose integrand may jump, the boundary estimator is called (`paths::estimator`).
+//! `paths::light`, `paths::environment` and `paths::surface` draw and weigh. Wherever an integral
+//! is estimated whose integrand may jump, the boundary estimator is called (`paths::estimator`).
 
 use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};

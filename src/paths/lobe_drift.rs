@@ -1,10 +1,10 @@
 //! The drift of directions over diffuse lobes: a velocity field that carries a bounce along with
 //! the body that it meets.
 //!
-//! Differentiated at a fixed direction, the point that a bounce meets slides over a body by one over
-//! the cosine c at which it meets it. The mean square of 1/c has no bound, and a narrow lobe or a
-//! small radius multiplies what the point reflects. For any smooth field V over directions, with f
-//! what a direction brings, cosine and all,
+//! Differentiated at a fixed direction, the point that a bounce meets slides over a body by one
+//! over the cosine c at which it meets it. The mean square of 1/c has no bound, and a narrow lobe
+//! or a small radius multiplies what the point reflects. For any smooth field V over directions,
+//! with f what a direction brings, cosine and all,
 //!
 //!   ∂∫f = ∫ (∂f + V·∇f + f ∇·V)  +  Σ_borders (V_b − V)·n (f₋ − f₊),
 //!
@@ -30,9 +30,9 @@ use glam::DVec3;
 /// So many bodies are followed at most, the largest, and so many walls.
 const MOST_BODIES: usize = 16;
 const MOST_WALLS: usize = 6;
-/// The cosine c from which the field fades toward the horizon. Bounces are distributed as the cosine,
-/// so above it the mean square of a weight's change goes with ln 1/c; what fading adds to that does not
-/// depend on it (`docs/method.md`, 15).
+/// The cosine c from which the field fades toward the horizon. Bounces are distributed as the
+/// cosine, so above it the mean square of a weight's change goes with ln 1/c; what fading adds to
+/// that does not depend on it (`docs/method.md`, 15).
 const HORIZON: f64 = 0.2;
 
 /// All that directions follow.
@@ -75,8 +75,8 @@ pub struct FieldBars {
 }
 
 impl LobeDrift {
-    /// Follows the largest of these bodies and walls, and rests over the lobes of some meshes; `None`
-    /// if there are none of them.
+    /// Follows the largest of these bodies and walls, and rests over the lobes of some meshes;
+    /// `None` if there are none of them.
     pub fn new(
         [mut bodies, mut walls]: [Vec<Body>; 2],
         has_crowd: bool,
@@ -144,9 +144,9 @@ impl LobeDrift {
         bodies.any(|body| (x_moves || body.moves) && is_followed_from(body, x))
     }
 
-    /// The field at a direction `d` from `x`, where the normal is `n`; `None` where it is zero. If x
-    /// rests (`x_moves` is false) bodies that rest have none. `rests` says whether directions from x
-    /// rest in the world where nothing carries them.
+    /// The field at a direction `d` from `x`, where the normal is `n`; `None` where it is zero. If
+    /// x rests (`x_moves` is false) bodies that rest have none. `rests` says whether directions
+    /// from x rest in the world where nothing carries them.
     pub fn field(&self, [x, n, d]: [DVec3; 3], x_moves: bool, rests: bool) -> Option<LobeField> {
         let cos = n.dot(d);
         if cos <= 0.0 {

@@ -225,8 +225,8 @@ impl<'a> Meeting<'a> {
         dvec3(place.turn(vector(self.n), vector(self.direction), corners, numbers))
     }
 
-    /// Whether a ray that goes on along `direction` starts on the other side of the triangle's plane
-    /// than it should: shading normals send it there.
+    /// Whether a ray that goes on along `direction` starts on the other side of the triangle's
+    /// plane than it should: shading normals send it there.
     pub fn leaks(&self, bend: Bend, direction: DVec3) -> bool {
         let goes_through = self.geometric.dot(direction) * self.geometric.dot(self.direction) > 0.0;
         match bend {

@@ -39,8 +39,8 @@ impl Format {
     }
 }
 
-/// Whether a file begins as TGA does, which has no signature: with whether there are colours to look
-/// up, the kind of picture, and then a size and a depth.
+/// Whether a file begins as TGA does, which has no signature: with whether there are colours to
+/// look up, the kind of picture, and then a size and a depth.
 fn is_tga(bytes: &[u8]) -> bool {
     let Some(header) = bytes.get(..TGA_HEADER) else {
         return false;

@@ -1,5 +1,5 @@
-//! Meshes that are too small for where they are: the distance at which rays leave surfaces is a good
-//! part of them.
+//! Meshes that are too small for where they are: the distance at which rays leave surfaces is a
+//! good part of them.
 
 use super::data::Mesh;
 use super::origin::origin;
@@ -47,8 +47,9 @@ fn part(mesh: &Mesh, unit: f32, origin: Vec3) -> Option<f32> {
     (extent > 0.0).then(|| RAY_OFFSET * (unit + farthest) / extent)
 }
 
-/// What rays leave surfaces by besides what their own coordinates ask for, over `RAY_OFFSET`: a part
-/// of the largest coordinate of all, for large triangles have small coordinates too. At most one.
+/// What rays leave surfaces by besides what their own coordinates ask for, over `RAY_OFFSET`: a
+/// part of the largest coordinate of all, for large triangles have small coordinates too. At most
+/// one.
 pub fn unit(meshes: &[Mesh], origin: Vec3) -> f32 {
     let positions = meshes.iter().flat_map(|mesh| &mesh.positions);
     let farthest = positions.map(|p| (*p - origin).abs().max_element());

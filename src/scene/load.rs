@@ -314,8 +314,8 @@ impl<'a> Loader<'a> {
 
     /// An emitter that stands in the scene itself.
     fn emitter(&mut self, object: &'a Object) -> Result<(), SceneError> {
-        // How often a light is looked at changes no mean, but a light that no ray meets by chance is
-        // black if it never is.
+        // How often a light is looked at changes no mean, but a light that no ray meets by chance
+        // is black if it never is.
         let weight = object.float("sampling_weight")?.unwrap_or(1.0);
         let is_met = matches!(object.plugin.as_str(), "constant" | "envmap");
         if weight == 0.0 && !is_met {
@@ -349,7 +349,8 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// `direct` may leave out one of two ways to find light; what only that one finds is black then.
+    /// `direct` may leave out one of two ways to find light; what only that one finds is black
+    /// then.
     fn samples_are_missed(&self) -> Option<SceneError> {
         let is_integrator = |o: &&Object| o.tag == "integrator" && o.plugin == "direct";
         let object = self.tree.objects.iter().find(is_integrator)?;

@@ -45,8 +45,8 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .min_by_key(|k| (distance(k), edit_distance(name, k)))
 }
 
-/// Whether a name is another one but for a few letters; if it is not, that they are the nearest says
-/// nothing of what is meant.
+/// Whether a name is another one but for a few letters; if it is not, that they are the nearest
+/// says nothing of what is meant.
 pub fn is_mistyped(name: &str, known: &str) -> bool {
     let [name, known] = [name, known].map(str::to_lowercase);
     let letters = name.chars().count();

@@ -1,5 +1,5 @@
-//! The CIE 1931 2° standard observer and the illuminant D65 (CIE 015), from 360 to 830 nanometres at
-//! steps of 5.
+//! The CIE 1931 2° standard observer and the illuminant D65 (CIE 015), from 360 to 830 nanometres
+//! at steps of 5.
 //!
 //! Written by `scripts/mitsuba_tables.py` with Mitsuba 3.9.1, variant scalar_rgb. D65 is
 //! one at 560 nanometres.

@@ -1,8 +1,8 @@
-//! Where tracing has its origin. Single precision tells places apart by a part of their coordinates,
-//! and rays leave surfaces by [`super::RAY_OFFSET`] of them. In a scene that lies far away, as what
-//! is placed by its place on Earth, that would be a good part of the scene. So such scenes are
-//! traced about their own middle. Nothing that a user gives or gets is: positions, poses and
-//! matrices are those of the file, and velocities and gradients do not ask for an origin.
+//! Where tracing has its origin. Single precision tells places apart by a part of their
+//! coordinates, and rays leave surfaces by [`super::RAY_OFFSET`] of them. In a scene that lies far
+//! away, as what is placed by its place on Earth, that would be a good part of the scene. So such
+//! scenes are traced about their own middle. Nothing that a user gives or gets is: positions, poses
+//! and matrices are those of the file, and velocities and gradients do not ask for an origin.
 
 use super::data::Mesh;
 use glam::Vec3;

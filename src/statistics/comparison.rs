@@ -52,8 +52,8 @@ pub struct Excess {
 }
 
 impl Comparison {
-    /// Whether the whole along the reference, and blocks of pixels, agree to a relative tolerance as
-    /// far as so many standard errors tell.
+    /// Whether the whole along the reference, and blocks of pixels, agree to a relative tolerance
+    /// as far as so many standard errors tell.
     pub fn agrees(&self, sigmas: f64, tolerance: f64) -> bool {
         let bias = self.relative_bias.abs();
         let is_biased = bias > tolerance && bias > sigmas * self.relative_bias_se;

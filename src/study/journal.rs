@@ -28,8 +28,8 @@ struct Line {
 }
 
 impl Journal {
-    /// Opens the folder's journal. Without `resume` there must be none yet. A last line that was cut
-    /// off is left out: its direction is measured again.
+    /// Opens the folder's journal. Without `resume` there must be none yet. A last line that was
+    /// cut off is left out: its direction is measured again.
     pub fn open(folder: &Path, resume: bool) -> Result<Self, Failure> {
         atomic::prepare_directory(folder)?;
         let unread = |error: &std::io::Error| FileError::io(folder, plain(error));

@@ -46,8 +46,8 @@ pub fn read(plan: &PeersPlan) -> Result<Vec<Peer>, Failure> {
         .collect()
 }
 
-/// Python writes numbers that are none as `NaN`, which is no JSON; outside of texts `null` takes its
-/// place.
+/// Python writes numbers that are none as `NaN`, which is no JSON; outside of texts `null` takes
+/// its place.
 fn without_nan(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for (i, part) in text.split('"').enumerate() {

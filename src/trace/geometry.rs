@@ -31,8 +31,8 @@ pub struct Geometry {
     pub smooth: Vec<bool>,
     /// The pictures on each mesh that has any.
     pub patterns: Vec<Option<Pattern>>,
-    /// What rounding is told by besides a point's own coordinates: the largest coordinate of all, at
-    /// most one.
+    /// What rounding is told by besides a point's own coordinates: the largest coordinate of all,
+    /// at most one.
     pub unit: f32,
 }
 

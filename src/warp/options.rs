@@ -10,8 +10,8 @@ pub struct WarpOptions {
 /// Loubet et al. (2019), and the program that its authors published (`path-reparam`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoubetOptions {
-    /// Rays of a bundle through the film, over a light, and over a lobe or the environment; at least
-    /// 2.
+    /// Rays of a bundle through the film, over a light, and over a lobe or the environment; at
+    /// least 2.
     pub film_rays: u32,
     pub light_rays: u32,
     pub lobe_rays: u32,

@@ -6,14 +6,15 @@
 //!   V(ω) = Σ w_i V_i / Σ w_i,  w_i = e^(t_i) / (D_i + B_i)^γ,
 //!
 //! with auxiliary directions ω_i of density ∝ e^(−t), t = κ(1 − ω·ω_i), D = e^t − 1, and B the
-//! boundary test, which vanishes on silhouettes. A silhouette at ω gets an unbounded weight, so that
-//! V is its velocity there. Only D depends on ω, and ∇_ω t = −κ ω_i:
+//! boundary test, which vanishes on silhouettes. A silhouette at ω gets an unbounded weight, so
+//! that V is its velocity there. Only D depends on ω, and ∇_ω t = −κ ω_i:
 //!
 //!   ∇w = −γ w/(D + B) ∇D = γ κ w e^t/(D + B) ω_i, as far as that is tangential.
 //!
-//! With few rays the mean of 1/Σw is not one over that of Σw, so V does not quite have the silhouettes' velocity: the
-//! method is consistent, and not unbiased. Russian roulette over the number of rays removes that
-//! (§5.2 there): V is the telescoping sum of the differences that further batches make.
+//! With few rays the mean of 1/Σw is not one over that of Σw, so V does not quite have the
+//! silhouettes' velocity: the method is consistent, and not unbiased. Russian roulette over the
+//! number of rays removes that (§5.2 there): V is the telescoping sum of the differences that
+//! further batches make.
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::lanes::{LANES, Lane, V3};
@@ -146,8 +147,8 @@ impl WarpedArea<'_> {
         }
     }
 
-    /// What a sample follows, from its rays in the order in which they were drawn. `score` turns the
-    /// gradient of a share into the score per velocity.
+    /// What a sample follows, from its rays in the order in which they were drawn. `score` turns
+    /// the gradient of a share into the score per velocity.
     fn follow(
         &self,
         rays: &[Weighed],

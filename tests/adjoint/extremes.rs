@@ -207,8 +207,8 @@ fn values() -> Vec<Point> {
                     point.extend(scaled(-i, scale));
                     point.extend(scaled(o, scale));
                     point.extend(material(alpha));
-                    // Conductor, plastic, smooth, GGX, nonlinear, thin, principled, entering; and the
-                    // lobe is lit.
+                    // Conductor, plastic, smooth, GGX, nonlinear, thin, principled, entering; and
+                    // the lobe is lit.
                     let flags = [
                         conductor, !conductor, false, ggx, true, false, false, true, true,
                     ];

@@ -7,6 +7,7 @@ use syn::visit::{self, Visit};
 const LONGEST_FILE: usize = 450;
 const MEDIAN_FILE: usize = 150;
 const LONGEST_FUNCTION: usize = 80;
+const WIDEST_COMMENT: usize = 100;
 
 #[test]
 fn files_are_short() {
@@ -25,6 +26,20 @@ fn files_are_short() {
         median <= MEDIAN_FILE,
         "half of all files have more than {median} lines"
     );
+}
+
+#[test]
+fn comments_are_narrow() {
+    let is_wide =
+        |line: &str| line.trim_start().starts_with("//") && line.chars().count() > WIDEST_COMMENT;
+    let of = |source: &Source| -> Vec<String> {
+        let lines = source.text.lines().enumerate();
+        let wide = lines.filter(|(_, line)| is_wide(line));
+        wide.map(|(at, _)| format!("{}:{}", source.path, at + 1))
+            .collect()
+    };
+    let wide: Vec<String> = all().iter().flat_map(of).collect();
+    assert!(wide.is_empty(), "{}", wide.join("\n"));
 }
 
 #[test]

@@ -32,8 +32,8 @@ pub enum Interior {
     Agrees,
 }
 
-/// Holds `reparam` with up to `spp` samples to differences with four times as many (of steps of `step`,
-/// or the engine's own).
+/// Holds `reparam` with up to `spp` samples to differences with four times as many (of steps of
+/// `step`, or the engine's own).
 pub fn check(
     scene: &Scene,
     parts: &[(&str, &[f32])],
@@ -90,9 +90,9 @@ pub fn check_to(
     assert_eq!(agrees, interior == Interior::Agrees, "interior");
 }
 
-/// Measures with few samples first, and with more while the standard error that `measure` says beside
-/// what it finds is above `resolution`: up to `most`, with which it must not be. What is found has no
-/// say in it. `make test-long` takes all at once.
+/// Measures with few samples first, and with more while the standard error that `measure` says
+/// beside what it finds is above `resolution`: up to `most`, with which it must not be. What is
+/// found has no say in it. `make test-long` takes all at once.
 pub fn with_samples<T>(most: u32, resolution: f64, measure: impl Fn(u32) -> (f64, T)) -> T {
     let mut samples = if cfg!(feature = "all-samples") {
         most

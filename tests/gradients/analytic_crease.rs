@@ -1,10 +1,10 @@
 //! Two planes that pass through each other under an even sky, against the closed form.
 //!
-//! A plate stands in a floor and leans toward the eye by β. From both of them, on the eye's side, the
-//! sky is seen in a lune of the angle β over the horizon, so that each has the radiance
-//! ρ L (1 − cos β)/2, right up to the line in which they meet. The film is so narrow that what is
-//! seen of it is even. When the plate moves away by δ the line rises on the film by the change of
-//! atan(h/(a + δ)), for an eye at height h and distance a.
+//! A plate stands in a floor and leans toward the eye by β. From both of them, on the eye's side,
+//! the sky is seen in a lune of the angle β over the horizon, so that each has the radiance ρ L (1
+//! − cos β)/2, right up to the line in which they meet. The film is so narrow that what is seen of
+//! it is even. When the plate moves away by δ the line rises on the film by the change of atan(h/(a
+//! + δ)), for an eye at height h and distance a.
 //!
 //! A pixel is some hundredth of a unit wide: what lies a thousandth of that beside the line is
 //! nearer to the other plane than rays keep from the surfaces that they leave. The planes must be

@@ -35,8 +35,8 @@ fn derivative(f: impl Fn(f64) -> f64) -> f64 {
     (f(h) - f(-h)) / (2.0 * h)
 }
 
-/// A floor around the origin, seen from the side, whose triangles are wound to be seen from above or
-/// from below.
+/// A floor around the origin, seen from the side, whose triangles are wound to be seen from above
+/// or from below.
 fn floor_point(from_above: bool) -> Scene {
     let (positions, mut triangles) = floor(20.0, 0.0);
     if !from_above {

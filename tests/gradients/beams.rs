@@ -1,5 +1,5 @@
-//! The borders of beams, of projectors' pictures and of spots without a ramp, wherever they are seen:
-//! against finite differences, and the other sweep.
+//! The borders of beams, of projectors' pictures and of spots without a ramp, wherever they are
+//! seen: against finite differences, and the other sweep.
 
 use common::comparison::Interior::Fails;
 use common::comparison::*;

@@ -16,8 +16,8 @@ use warpath::scene::{Normals, Scene};
 const MOVED: (&str, &[f32]) = ("thing.translation", &[1.0, 0.3, 0.2]);
 const BY_CAMERA: (&str, &[f32]) = ("cam.translation", &[0.5, 0.2, 0.3]);
 
-/// A floor that is lit over a thing beside it, which the camera does not see: all that moves is seen
-/// along bounces.
+/// A floor that is lit over a thing beside it, which the camera does not see: all that moves is
+/// seen along bounces.
 fn beside(thing: Shape) -> Scene {
     let at = vec3(0.0, 0.0, 0.0);
     scene(vec3(0.0, -3.0, 3.0), at, 9.0, [8; 2], GAUSSIAN)
@@ -105,8 +105,8 @@ fn above(thing: Shape) -> Scene {
         .constant_environment(SKY)
 }
 
-/// A painted ball beside a floor has about as much noise of facets as it has if they are smoothed over;
-/// it would have 24 times as much.
+/// A painted ball beside a floor has about as much noise of facets as it has if they are smoothed
+/// over; it would have 24 times as much.
 #[test]
 fn facets_of_a_ball_are_followed() {
     let thing = ball(3, vec3(0.9, 0.1, 0.5), 0.4);
@@ -122,8 +122,8 @@ fn facets_of_a_ball_are_followed() {
     assert!(flat < 5.0 * smooth, "{flat} {smooth}");
 }
 
-/// Directions drift with a ball that nobody sees, before an even sky, over surfaces that send the more
-/// or the less of light for where it comes from: nothing changes.
+/// Directions drift with a ball that nobody sees, before an even sky, over surfaces that send the
+/// more or the less of light for where it comes from: nothing changes.
 #[test]
 fn what_uneven_surfaces_send_along_the_drift() {
     let paints: [fn(Scene) -> Scene; 3] = [
@@ -165,8 +165,8 @@ fn of_glass() -> Scene {
     seen(|scene| scene.glass("thing", 0.3)).depth(5)
 }
 
-/// Holds `reparam` with up to `spp` samples to differences with four times as many, of a short step:
-/// what is full of detail does not change in proportion to a long one.
+/// Holds `reparam` with up to `spp` samples to differences with four times as many, of a short
+/// step: what is full of detail does not change in proportion to a long one.
 fn agrees(scene: &Scene, part: (&str, &[f32]), spp: u32) {
     let along = direction(scene, &[part]);
     let found = with_samples(spp, 0.06, |spp| {
@@ -223,7 +223,8 @@ fn a_dented_thing_of_plastic() {
     agrees(&seen(|scene| scene.plastic("thing", None)), MOVED, 512);
 }
 
-/// What is black over lobes that rest has the gradient by its colour that it has where nothing moves.
+/// What is black over lobes that rest has the gradient by its colour that it has where nothing
+/// moves.
 #[test]
 fn black_lobes() {
     const COLOUR: &str = "thing.bsdf.specular_reflectance";
@@ -367,8 +368,8 @@ fn transposition_of_reliefs() {
     }
 }
 
-/// Inside of glass a direction that turned with the normals would turn by many times as much at every
-/// reflection.
+/// Inside of glass a direction that turned with the normals would turn by many times as much at
+/// every reflection.
 #[test]
 fn its_noise_is_that_of_differences() {
     let scene = of_glass();

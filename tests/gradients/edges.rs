@@ -16,8 +16,8 @@ const RUNS: u64 = 16;
 /// How far apart two right answers may be.
 const SIGMAS: f64 = 4.0;
 
-/// Holds `edges` to `reparam`, which other tests hold to finite differences, with up to `spp` samples
-/// of each; the standard error of the difference is at most this part of the gradient.
+/// Holds `edges` to `reparam`, which other tests hold to finite differences, with up to `spp`
+/// samples of each; the standard error of the difference is at most this part of the gradient.
 fn agree(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, resolution: f64) {
     let along = direction(scene, parts);
     let agreement = with_samples(spp, resolution, |spp| {
@@ -94,8 +94,8 @@ fn ridges_that_look_alike() {
         .solid("roof", roof, [0.8, 0.7, 0.6])
         .solid("card", card, [0.0; 3])
         .constant_environment([1.0; 3]);
-    // Paths that see the card are few; without the weights of what is searched for others it would be
-    // off by 1.35.
+    // Paths that see the card are few; without the weights of what is searched for others it would
+    // be off by 1.35.
     let moved = [1.0, 0.0, 0.0];
     agree(&scene, &[("roof.translation", &moved)], 1024, 0.25);
 }

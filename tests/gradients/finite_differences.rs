@@ -125,8 +125,8 @@ fn shadow_of_what_is_scaled() {
     check(&shadow(), &[("block.scale", &[1.0])], 128, None, Fails);
 }
 
-/// A round lamp of 320 triangles, which is looked at as one thing, just below a ceiling; and two that
-/// are none: a long one and a bent one.
+/// A round lamp of 320 triangles, which is looked at as one thing, just below a ceiling; and two
+/// that are none: a long one and a bent one.
 #[test]
 fn shadow_under_lamps_of_many_triangles() {
     let centre = vec3(0.2, 0.1, 2.2);

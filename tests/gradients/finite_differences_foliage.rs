@@ -87,9 +87,9 @@ fn lit_past_a_blind() {
     assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
 }
 
-/// Specks of a tenth of a pixel grow before a floor that half of all light samples leave black: what
-/// is met by a small chance is looked at again, also where the first look found nothing. On many
-/// lines over the lamp all points are hidden, and light passes between them.
+/// Specks of a tenth of a pixel grow before a floor that half of all light samples leave black:
+/// what is met by a small chance is looked at again, also where the first look found nothing. On
+/// many lines over the lamp all points are hidden, and light passes between them.
 #[test]
 fn specks_before_shadows() {
     let (positions, triangles) = soup(&mut Random::new(11), 2000, 0.035);

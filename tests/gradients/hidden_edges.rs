@@ -2,9 +2,9 @@
 //! would look.
 //!
 //! The ridge of a roof lies right behind the border of a card, less than probes keep apart, and a
-//! second card ends a little before it: from the first outline that a walk comes to, the ridge seems
-//! to be seen. The sun lights each side of the roof evenly, and only one of them is seen, so that
-//! nothing changes when the roof moves along x. The cards' shadows lie beyond the film.
+//! second card ends a little before it: from the first outline that a walk comes to, the ridge
+//! seems to be seen. The sun lights each side of the roof evenly, and only one of them is seen, so
+//! that nothing changes when the roof moves along x. The cards' shadows lie beyond the film.
 
 use common::scenes::*;
 use common::{direction, gradient, settings};

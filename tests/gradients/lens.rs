@@ -12,8 +12,8 @@ use warpath::scene::{Lens, Scene};
 /// World units: a tenth of a pixel.
 const STEP: Option<f64> = Some(0.01);
 
-/// A black plate before what is in focus, and one behind it: each point of the lens sees other parts
-/// of the sky. The circle of confusion is four pixels wide on the one, and two on the other.
+/// A black plate before what is in focus, and one behind it: each point of the lens sees other
+/// parts of the sky. The circle of confusion is four pixels wide on the one, and two on the other.
 fn plates(depth: u32) -> Scene {
     let near = parallelogram(vec3(-0.9, -0.8, -0.3), Vec3::X * 0.8, Vec3::Z * 0.9);
     let far = parallelogram(vec3(0.0, 1.0, -0.2), Vec3::X * 0.9, Vec3::Z * 0.7);

@@ -107,8 +107,8 @@ fn forward_and_backward_are_transposed() {
     }
 }
 
-/// A metal floor that shows a lamp between leaves that rest and pass through each other, and a block
-/// on which light falls that comes from it.
+/// A metal floor that shows a lamp between leaves that rest and pass through each other, and a
+/// block on which light falls that comes from it.
 fn lamp_behind_leaves() -> Scene {
     let below = |p: Vec3| p * vec3(0.5, 0.5, 0.2) + vec3(0.0, 0.3, 1.6);
     let (positions, triangles) = soup(&mut Random::new(5), 40, 0.35);
@@ -332,8 +332,8 @@ fn pilots_are_as_long_as_their_jobs_are_worth() {
     assert!(paths(OFTEN).iter().all(|n| *n == 16384.0));
 }
 
-/// Over a ball with smooth normals, part of which a wall hides, it pays that the film follows all; a
-/// look with few of the job's samples of a pixel would not tell.
+/// Over a ball with smooth normals, part of which a wall hides, it pays that the film follows all;
+/// a look with few of the job's samples of a pixel would not tell.
 #[test]
 fn films_that_follow_more_are_tried_in_dense_looks() {
     let scene = load("scenes/failures/intersecting.xml", &[]).expect("a scene");

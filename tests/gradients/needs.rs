@@ -313,8 +313,8 @@ fn what_rests_is_left_out_and_nothing_else() {
     }
 }
 
-/// Silhouettes that move share a tile's looks, so that each has fewer where more of them do. Then the
-/// gradients are the same in the mean, and nearly so by the same seeds.
+/// Silhouettes that move share a tile's looks, so that each has fewer where more of them do. Then
+/// the gradients are the same in the mean, and nearly so by the same seeds.
 fn agree(scene: &Scene, parts: [&[(&str, &[f32])]; 2]) {
     let [alone, all] = parts.map(|parts| {
         let along = direction(scene, parts);

@@ -82,8 +82,8 @@ fn groups_are_parts() {
     }
 }
 
-/// Before smooth metal `auto` takes differences for what moves, if that is few numbers, and paths for
-/// the rest in one pass.
+/// Before smooth metal `auto` takes differences for what moves, if that is few numbers, and paths
+/// for the rest in one pass.
 #[test]
 fn auto_takes_them_for_few_numbers() {
     let scene = near_metal();

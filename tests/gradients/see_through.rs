@@ -128,8 +128,8 @@ fn transposition() {
     transposed(&cut_out(scene, "leaf", true), Method::Reparam, &idle);
 }
 
-/// Rays start a little off surfaces, and beside where a plate passes through a mask they once started
-/// beyond both: the sky was seen there.
+/// Rays start a little off surfaces, and beside where a plate passes through a mask they once
+/// started beyond both: the sky was seen there.
 #[test]
 fn what_passes_through_a_mask() {
     let pane = parallelogram(vec3(-0.6, -0.5, -0.6), Vec3::X * 1.2, Vec3::Z * 1.2);

@@ -1,5 +1,5 @@
-//! Sharp shadows that are seen in smooth surfaces or behind null ones and masks, and those that fall
-//! on mixtures: against finite differences, and the other sweep.
+//! Sharp shadows that are seen in smooth surfaces or behind null ones and masks, and those that
+//! fall on mixtures: against finite differences, and the other sweep.
 
 use common::comparison::Interior::Fails;
 use common::comparison::*;

@@ -76,8 +76,8 @@ fn glass_and_plastic() {
     checked(&plastic, 256, "block.translation", &MOVED, 0.03);
 }
 
-/// At grazing angles normals that look away are turned round, and the border of that is not followed:
-/// these do so hardly.
+/// At grazing angles normals that look away are turned round, and the border of that is not
+/// followed: these do so hardly.
 fn flattened(mut scene: Scene) -> Scene {
     if let Some(texture) = scene.textures.last_mut() {
         for [x, y, _] in &mut texture.texels {
@@ -95,8 +95,8 @@ fn a_curved_mirror() {
     checked(&scene, 256, "ball.translation", &MOVED, 0.01);
 }
 
-/// On a coarse ball the axes about which normals turn are others on each triangle, of whatever it is
-/// made.
+/// On a coarse ball the axes about which normals turn are others on each triangle, of whatever it
+/// is made.
 #[test]
 fn axes_jump_from_facet_to_facet() {
     let mut scene = ball_before_a_plate().depth(2);

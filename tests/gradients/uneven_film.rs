@@ -129,8 +129,8 @@ fn it_is_less_noisy() {
     assert!(uneven.1 < 1.2 * even.1, "{uneven:?} {even:?}");
 }
 
-/// What samples an objective's derivative unevenly is not taken for both sides together, which have to
-/// have the same random numbers whatever the objective is.
+/// What samples an objective's derivative unevenly is not taken for both sides together, which have
+/// to have the same random numbers whatever the objective is.
 #[test]
 fn both_sides_together_are_even() {
     let scene = load("scenes/demo.xml", &[]).expect("a scene");

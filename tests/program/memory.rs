@@ -115,8 +115,8 @@ fn a_gradient_stays_small_however_many_samples() {
     stays_small(&[16, 256], 2);
 }
 
-/// From 64 to 1024 samples it grows from 32 to 42 MB, because pilots look at more of so long a job; and
-/// then no further.
+/// From 64 to 1024 samples it grows from 32 to 42 MB, because pilots look at more of so long a job;
+/// and then no further.
 #[cfg(feature = "long-tests")]
 #[test]
 fn memory_at_many_samples() {

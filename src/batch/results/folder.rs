@@ -74,8 +74,8 @@ fn fill<T>(
     Ok(atomic::sync_directory(directory)?)
 }
 
-/// Refuses a job whose folder's name is taken: by a link, or by a folder with anything in it that no
-/// job writes. What is in there is the user's own.
+/// Refuses a job whose folder's name is taken: by a link, or by a folder with anything in it that
+/// no job writes. What is in there is the user's own.
 pub fn refuse_taken(directory: &Path, id: &str) -> Result<(), Failure> {
     let folder = directory.join(id);
     refuse_link(&folder)?;

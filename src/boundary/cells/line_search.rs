@@ -76,8 +76,8 @@ pub struct Met<C> {
     pub at: Candidate<C>,
     /// The triangles on its two sides.
     seen: [u32; 2],
-    /// Radiance before minus radiance after it, times how many crossings it stands for: zero until it
-    /// has been looked at.
+    /// Radiance before minus radiance after it, times how many crossings it stands for: zero until
+    /// it has been looked at.
     pub jump: DVec3,
 }
 
@@ -167,8 +167,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     }
 
     /// Looks at what is seen on both sides of each candidate and keeps those that lie before all
-    /// else and move. Returns what else must lie in their cells. `first_hits` is given directions and
-    /// the lanes that have one.
+    /// else and move. Returns what else must lie in their cells. `first_hits` is given directions
+    /// and the lanes that have one.
     pub fn see(
         &mut self,
         candidates: &[Candidate<C>],
@@ -227,8 +227,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         }
     }
 
-    /// Keeps a candidate if it lies before all else and moves, and returns what else must lie in its
-    /// cell.
+    /// Keeps a candidate if it lies before all else and moves, and returns what else must lie in
+    /// its cell.
     fn settle(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let is_hidden = self.is_hidden(candidate, seen);

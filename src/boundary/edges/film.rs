@@ -3,8 +3,8 @@
 //!
 //! With ℓ the length of a tile's edges in pixels and n points, a point stands for ℓ/n pixels of
 //! border. Borders move across themselves by −Ḟ/|∇F|, and bring (L₋ − L₊) times that (`docs/
-//! method.md`, eq. 2). Of edges at which only the planes of facets differ fewer points are drawn, and
-//! each stands for more.
+//! method.md`, eq. 2). Of edges at which only the planes of facets differ fewer points are drawn,
+//! and each stands for more.
 
 use super::point::{explains, is_at, kind};
 use super::set::EdgeSet;
@@ -24,8 +24,8 @@ use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Points for each step of the lattice that the edges are long: about as many as its rows and columns
-/// cross.
+/// Points for each step of the lattice that the edges are long: about as many as its rows and
+/// columns cross.
 const POINTS_PER_STEP: f64 = 1.3;
 /// Of points of a tile's samples, so many may be drawn on edges.
 const MOST_POINTS: f64 = 2.0;

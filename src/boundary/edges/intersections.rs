@@ -1,8 +1,8 @@
-//! Surfaces that pass through one another meet in lines that are no edges of meshes, and nothing here
-//! would find those.
+//! Surfaces that pass through one another meet in lines that are no edges of meshes, and nothing
+//! here would find those.
 //!
-//! Two triangles pass through each other only if an edge of one goes through the other, so rays along
-//! all edges tell.
+//! Two triangles pass through each other only if an edge of one goes through the other, so rays
+//! along all edges tell.
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::paths::scene_view::SceneView;
@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 /// What an edge meets this near to its ends, as a part of it, only touches it.
 const TOUCHES: f64 = 1e-4;
-/// An edge lies in a plane from which both its ends are no farther than this, per unit of the largest
-/// coordinate and one.
+/// An edge lies in a plane from which both its ends are no farther than this, per unit of the
+/// largest coordinate and one.
 const IN_PLANE: f64 = 2e-5;
 /// Triangles around an edge's own ends that are passed on the way.
 const MOST_PASSED: usize = 16;

@@ -1,10 +1,11 @@
 //! Boundary sampling, after \[Li2018\]: points are drawn on the edges of meshes instead of being
 //! found between neighbouring rays.
 //!
-//! Edges that the camera sees are drawn by their length on the film, those that a vertex sees by the
-//! angle under which it sees them, from a tree. What jumps there is probed as for cells. Nothing is
-//! missed because it is small, and no weight grows with what stands beside an edge; but an edge is
-//! drawn whether something hides it or not, and where a vertex has many about it, few matter.
+//! Edges that the camera sees are drawn by their length on the film, those that a vertex sees by
+//! the angle under which it sees them, from a tree. What jumps there is probed as for cells.
+//! Nothing is missed because it is small, and no weight grows with what stands beside an edge; but
+//! an edge is drawn whether something hides it or not, and where a vertex has many about it, few
+//! matter.
 //!
 //! The plane of the triangle that a vertex lies on is a border, too, where smooth normals lean over
 //! it.

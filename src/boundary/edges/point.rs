@@ -1,9 +1,9 @@
 //! A point of an edge, drawn for a vertex.
 //!
-//! \[Li2018\] draw points along edges from the shading point. With Θ the angle under which an edge is
-//! seen, points are drawn uniformly in it, so that a point of an edge that is drawn with chance P
-//! stands for Θ/P of the length of all borders on the unit sphere. A border moves across itself by
-//! −Ḟ/|c|, with F(d) = c·d for unit directions d, and brings (L₋ − L₊) times that: per unit of Ḟ
+//! \[Li2018\] draw points along edges from the shading point. With Θ the angle under which an edge
+//! is seen, points are drawn uniformly in it, so that a point of an edge that is drawn with chance
+//! P stands for Θ/P of the length of all borders on the unit sphere. A border moves across itself
+//! by −Ḟ/|c|, with F(d) = c·d for unit directions d, and brings (L₋ − L₊) times that: per unit of Ḟ
 //! (L₊ − L₋) Θ / (P |c|).
 
 use super::directions::Directions;

@@ -21,8 +21,8 @@ const MOST_DRAWS: u32 = 4;
 pub type EdgePoints = [Option<EdgePoint>; LANES];
 
 impl Edges<'_> {
-    /// Draws an edge in each lane in which `directions` gives what matters, in lanes of `moves` from
-    /// all edges, in others from those that move. Numbers are those of `user`.
+    /// Draws an edge in each lane in which `directions` gives what matters, in lanes of `moves`
+    /// from all edges, in others from those that move. Numbers are those of `user`.
     pub(super) fn draw(
         &self,
         at: &At,

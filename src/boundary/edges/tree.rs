@@ -1,8 +1,8 @@
 //! Drawing an edge that matters to a point: a tree over edges, descended at random.
 //!
-//! After the edge sampling of \[Li2018\], section 5.2: at each node one of the two children is taken
-//! with a chance that goes with a guess of what its edges bring. The guess is the angle under which
-//! the node's edges would be seen if all were, times what the query says of that part of the
+//! After the edge sampling of \[Li2018\], section 5.2: at each node one of the two children is
+//! taken with a chance that goes with a guess of what its edges bring. The guess is the angle under
+//! which the node's edges would be seen if all were, times what the query says of that part of the
 //! directions. Edges of surfaces that look all one way as seen from the point are no silhouettes,
 //! which a cone around their normals tells. A guess may be wrong at the cost of noise; it is zero
 //! only where nothing can be found.
@@ -53,8 +53,8 @@ struct Node {
     /// Around the normals: an axis and a half angle.
     axis: DVec3,
     spread_rad: f64,
-    /// Lengths of edges that may be silhouettes from some side, from any side, and of those at which
-    /// shading jumps.
+    /// Lengths of edges that may be silhouettes from some side, from any side, and of those at
+    /// which shading jumps.
     folds: f64,
     borders: f64,
     shading: f64,
@@ -344,7 +344,8 @@ mod tests {
         }
     }
 
-    /// The chances that are told are those with which edges are drawn, and every silhouette has one.
+    /// The chances that are told are those with which edges are drawn, and every silhouette has
+    /// one.
     #[test]
     fn chances_are_kept() {
         const DRAWS: usize = 200_000;

@@ -182,8 +182,8 @@ impl Check {
         Ok(())
     }
 
-    /// Whether differences by much shorter steps are others, which are taken then: what moves may pass
-    /// something within a step, as a lamp that hangs a little below a ceiling.
+    /// Whether differences by much shorter steps are others, which are taken then: what moves may
+    /// pass something within a step, as a lamp that hangs a little below a ceiling.
     pub fn takes_shorter_steps(&mut self, rounding: f64, tolerance: f64) -> Result<bool, Failure> {
         self.pace.plan(Kind::Differences, LEAST_RUNS);
         let step = self.step()?;

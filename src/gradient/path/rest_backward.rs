@@ -153,8 +153,8 @@ impl Resting<'_> {
         (self.here.n, arriving, self.w, self.interface)
     }
 
-    /// The cotangent, in some lanes, of what would be sent if a turned surface hid nothing of itself,
-    /// which is `value`; and what it does send.
+    /// The cotangent, in some lanes, of what would be sent if a turned surface hid nothing of
+    /// itself, which is `value`; and what it does send.
     fn of_unhidden(&mut self, bits: u32, value: V3<Lane>) -> (Cotangent, V3<Lane>) {
         let (sweep, here, w) = (self.sweep, self.here, self.w);
         let shown = masked(bits, sweep.shown(here, w, value));

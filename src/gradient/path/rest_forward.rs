@@ -1,5 +1,5 @@
-//! The forward sweep over bounces in rough metal, glass and plastic that rest in the world: what the
-//! lobe sends along them changes, and the density that they were drawn with does not.
+//! The forward sweep over bounces in rough metal, glass and plastic that rest in the world: what
+//! the lobe sends along them changes, and the density that they were drawn with does not.
 
 use crate::gradient::path::forward::{D, ForwardSweep, MovingVertex, value_of};
 use crate::gradient::scene::forward::dual_vector;

@@ -36,7 +36,8 @@ impl BackwardSweep<'_> {
         }
     }
 
-    /// To what the film points of a path follow, from the cotangents of their velocities and scores.
+    /// To what the film points of a path follow, from the cotangents of their velocities and
+    /// scores.
     fn add_film_motion(
         &self,
         store: &TileStore,

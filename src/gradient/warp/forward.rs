@@ -127,8 +127,8 @@ impl ForwardSweep<'_> {
         masked(world, scored * score)
     }
 
-    /// What a sample of the environment map brings, if there is one, whose direction moves and whose
-    /// score multiplies `scored`.
+    /// What a sample of the environment map brings, if there is one, whose direction moves and
+    /// whose score multiplies `scored`.
     pub(crate) fn moving_environment_sample(
         &self,
         store: &TileStore,

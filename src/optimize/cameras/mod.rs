@@ -1,7 +1,7 @@
 //! Cameras that other programs have found, as sensors of the scene.
 //!
-//! Here a camera looks along +z, +x is to the left of its image and +y up. NeRF's look along −z with
-//! +x to the right and +y up, COLMAP's along +z with +x to the right and +y down.
+//! Here a camera looks along +z, +x is to the left of its image and +y up. NeRF's look along −z
+//! with +x to the right and +y up, COLMAP's along +z with +x to the right and +y down.
 
 mod colmap;
 mod found;

@@ -217,8 +217,9 @@ impl Problem {
         Ok(())
     }
 
-    /// Settles what `auto` does in all steps: what is best for the first view that depends on what is
-    /// sought, of the scene as it starts, which is the same however often a run is taken up again.
+    /// Settles what `auto` does in all steps: what is best for the first view that depends on what
+    /// is sought, of the scene as it starts, which is the same however often a run is taken up
+    /// again.
     fn ask_pilot(&mut self, progress: &dyn Progress) -> Result<(), Failure> {
         if !self.settings.needs_pilot() {
             return Ok(());
@@ -266,8 +267,8 @@ impl Problem {
     }
 
     /// A view's target, smaller by a factor, and how much the colours of its pixels count: as its
-    /// mask says. Where that is what shapes cover, a pixel that they cover in part has mixed in what
-    /// is behind them, and does not count.
+    /// mask says. Where that is what shapes cover, a pixel that they cover in part has mixed in
+    /// what is behind them, and does not count.
     pub fn counted(&self, view: &View, factor: usize) -> (Image, Option<Vec<f32>>) {
         let (target, mut weights) = view::shrunk(view, factor);
         if self.silhouette.is_some() {

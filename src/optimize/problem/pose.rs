@@ -1,10 +1,10 @@
 //! From the gradients of small motions of the present scene to those of the motions that made it.
 //!
 //! A pose moves a mesh as v ↦ c + t + s·R(r)(v₀ − c), where c is the centre of the bounding box of
-//! the scene as it was loaded. The engine gives derivatives by a further translation τ, by a further
-//! rotation ω about the centre c₁ of the present box, and by a further scaling σ about it. With p =
-//! c + t, the torque about p is that about c₁ plus (c₁ − p) × τ̄, and the same holds of the virial.
-//! A rotation vector r + dr turns by R(J dr)R(r), where J is the left Jacobian of SO(3)
+//! the scene as it was loaded. The engine gives derivatives by a further translation τ, by a
+//! further rotation ω about the centre c₁ of the present box, and by a further scaling σ about it.
+//! With p = c + t, the torque about p is that about c₁ plus (c₁ − p) × τ̄, and the same holds of
+//! the virial. A rotation vector r + dr turns by R(J dr)R(r), where J is the left Jacobian of SO(3)
 //! \[Sola2018\] (eq. 145).
 
 use crate::scene::parameters::{self, Gradient, Parameter, Target};
@@ -162,7 +162,8 @@ mod tests {
         let count = now.meshes[0].positions.len();
         cotangent.positions[0] = Some((0..count).map(weight).collect());
         let whole = Gradient::from(cotangent);
-        // As differences have it: of what is needed for a rotation or a scaling alone, nothing more.
+        // As differences have it: of what is needed for a rotation or a scaling alone, nothing
+        // more.
         let alone = |parameter: &Parameter| {
             let needed = needed(&base, std::slice::from_ref(parameter)).into_iter();
             let numbers = needed.filter_map(|p| Some((p.target?, whole.by(&now, &p))));

@@ -83,7 +83,8 @@ pub fn wanted(config: &Config, scene: &Scene) -> Result<Vec<Wanted>, Failure> {
     settings.iter().map(one).collect()
 }
 
-/// Reads the pictures of a view, which is known by its number; `render` makes the target of one that has none.
+/// Reads the pictures of a view, which is known by its number; `render` makes the target of one
+/// that has none.
 pub fn read(
     number: usize,
     wanted: &Wanted,

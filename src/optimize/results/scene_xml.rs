@@ -1,9 +1,9 @@
 //! A scene as Mitsuba 3 XML, with its meshes and textures beside it: `render`, `optimize` and
 //! Mitsuba read it.
 //!
-//! Everything is written as it stands, in world space: includes, defines, defaults and transforms of
-//! the file that was read are gone. What one shape alone has stands inside it, so that parameters
-//! keep their keys.
+//! Everything is written as it stands, in world space: includes, defines, defaults and transforms
+//! of the file that was read are gone. What one shape alone has stands inside it, so that
+//! parameters keep their keys.
 
 use super::meshes;
 use super::surface_xml::Surfaces;

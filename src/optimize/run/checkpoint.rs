@@ -1,7 +1,7 @@
 //! The state in a file, from which a run goes on to the same bytes.
 //!
-//! A line of JSON, then the numbers as little-endian doubles, then a hash of all that. It is written
-//! beside the old one and renamed, so that there is always a whole one.
+//! A line of JSON, then the numbers as little-endian doubles, then a hash of all that. It is
+//! written beside the old one and renamed, so that there is always a whole one.
 
 use super::record::Record;
 use super::state::State;
@@ -43,7 +43,8 @@ struct VariableHeader {
     first: usize,
     second: usize,
     steps: u64,
-    /// Vertices, triangles and texture coordinates of its mesh, if that is another than the scene's.
+    /// Vertices, triangles and texture coordinates of its mesh, if that is another than the
+    /// scene's.
     mesh: Option<[usize; 3]>,
 }
 

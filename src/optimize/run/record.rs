@@ -22,7 +22,8 @@ pub struct Record {
     /// square of its standard error.
     pub signal: Vec<f64>,
     pub noise: Vec<f64>,
-    /// By variable: how far it is from the known scene's before the step (RMS), where that is known.
+    /// By variable: how far it is from the known scene's before the step (RMS), where that is
+    /// known.
     pub off_truth: Vec<Option<f64>>,
     /// Indices of the views looked at.
     pub views: Vec<usize>,

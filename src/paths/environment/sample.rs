@@ -18,8 +18,8 @@ use crate::scene::Environment;
 use glam::Vec3;
 
 impl At<'_> {
-    /// Draws a direction of the map in every lane. Where samples move (`moved`: the concentration of
-    /// the kernel around them, if there is one, and which of two twins draws) they share nothing
+    /// Draws a direction of the map in every lane. Where samples move (`moved`: the concentration
+    /// of the kernel around them, if there is one, and which of two twins draws) they share nothing
     /// with bounces. Also returns the directions around which the kernel lies.
     pub fn sample_environment(
         &self,

@@ -78,8 +78,8 @@ impl Camera {
         }
     }
 
-    /// What stands for the axes in [`camera_direction`]: through a point (a, b) of the lens the third
-    /// is z − (a x + b y)/f, with f the distance in focus.
+    /// What stands for the axes in [`camera_direction`]: through a point (a, b) of the lens the
+    /// third is z − (a x + b y)/f, with f the distance in focus.
     pub fn film_axes<V>(&self, [x, y, z]: [V; 3]) -> [V; 3]
     where
         V: Copy
@@ -90,7 +90,8 @@ impl Camera {
         [x, y, z - self.on_lens([x, y]) * self.per_focus]
     }
 
-    /// Of vectors that belong to the axes to the left and up, what belongs to the point of the lens.
+    /// Of vectors that belong to the axes to the left and up, what belongs to the point of the
+    /// lens.
     pub fn on_lens<V>(&self, [x, y]: [V; 2]) -> V
     where
         V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
@@ -148,8 +149,8 @@ impl Camera {
         camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
     }
 
-    /// Its rays through the film points (`u`, `v`), in the lanes of `active`. `lens_point` gives two
-    /// numbers in [0, 1)² for a lane, if the lens has an extent.
+    /// Its rays through the film points (`u`, `v`), in the lanes of `active`. `lens_point` gives
+    /// two numbers in [0, 1)² for a lane, if the lens has an extent.
     pub fn rays_through(
         &self,
         u: Lane,
@@ -194,8 +195,8 @@ impl Camera {
         }
     }
 
-    /// How the axis of view would have to lean to see what a principal point sees that is shifted by
-    /// the film's width, or its height.
+    /// How the axis of view would have to lean to see what a principal point sees that is shifted
+    /// by the film's width, or its height.
     pub fn axis_per_offset(&self) -> [DVec3; 2] {
         let [x, y, _] = self.axes.map(|a| a.as_dvec3());
         let tan = -2.0 * self.tan_half_x_fov;

@@ -1,9 +1,9 @@
 //! How densely blocks of the film are sampled.
 //!
 //! Samples are best spent where an image has noise. A block of pixels with another density has a
-//! lattice of its own. Its pixels take nothing from other lattices, and so that they lack nothing its
-//! lattice goes on beyond the block as far as a pixel's filter reaches. So every pixel is what it is
-//! on a film that is sampled evenly, whatever is done elsewhere.
+//! lattice of its own. Its pixels take nothing from other lattices, and so that they lack nothing
+//! its lattice goes on beyond the block as far as a pixel's filter reaches. So every pixel is what
+//! it is on a film that is sampled evenly, whatever is done elsewhere.
 
 use crate::paths::film::filter::Block;
 use crate::paths::film::lattice::Pixels;
@@ -22,8 +22,8 @@ pub struct DensityMap {
 }
 
 impl DensityMap {
-    /// `samples` of blocks of `side` × `side` pixels from the film's first on, row by row; the last ones
-    /// may be cut off.
+    /// `samples` of blocks of `side` × `side` pixels from the film's first on, row by row; the last
+    /// ones may be cut off.
     pub fn new(size: [usize; 2], side: usize, samples: Vec<u32>) -> Self {
         let columns = size[0].div_ceil(side);
         assert_eq!(samples.len(), columns * size[1].div_ceil(side));
@@ -69,8 +69,8 @@ impl DensityMap {
             .collect()
     }
 
-    /// What pixels with this density take from, if it is at most `reach` pixels away and on this film:
-    /// rectangles that do not overlap.
+    /// What pixels with this density take from, if it is at most `reach` pixels away and on this
+    /// film: rectangles that do not overlap.
     pub fn needed(&self, samples: u32, film: Pixels, reach: i32) -> Vec<Pixels> {
         rectangles(&self.reached(samples, film, reach), film)
     }

@@ -1,18 +1,18 @@
 //! The film's drift: a velocity field that carries the film's samples along with what they see.
 //!
 //! Differentiated at a fixed film point, what a sample sees slides over the surface: by one over
-//! the sine of a grazing angle, and with its normal, along which a narrow lobe turns its light. Over
-//! curved metal or glass this has a noise many times that of the image. For any smooth field V over
-//! the film, with f the radiance and h a pixel's filter,
+//! the sine of a grazing angle, and with its normal, along which a narrow lobe turns its light.
+//! Over curved metal or glass this has a noise many times that of the image. For any smooth field V
+//! over the film, with f the radiance and h a pixel's filter,
 //!
 //!   ∂∫h f = ∫ h (∂f + V·∇f + f ∇·V) + f V·∇h  +  Σ_borders h (V_b − V)·n (f₋ − f₊),
 //!
 //! because the integral of ∇·(h f V) over the film vanishes if V does at its rim. The first terms
-//! are those of a sample whose film point moves by V. If V is about the velocity of the surface that
-//! is seen, nothing slides: what is left of them is the noise of an image. The borders bring what
-//! they do not share with V. This is the change of variables of Loubet et al. (2019) with their
-//! choice of what to follow, points that were hit, but with a field that need not agree with any
-//! border, because borders are found as everywhere else.
+//! are those of a sample whose film point moves by V. If V is about the velocity of the surface
+//! that is seen, nothing slides: what is left of them is the noise of an image. The borders bring
+//! what they do not share with V. This is the change of variables of Loubet et al. (2019) with
+//! their choice of what to follow, points that were hit, but with a field that need not agree with
+//! any border, because borders are found as everywhere else.
 //!
 //! V is fixed before any sample is drawn that it is applied to, so that the mean is right whatever
 //! V is. It is interpolated between *nodes*, whose velocities are means of those of a few points

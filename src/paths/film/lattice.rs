@@ -57,8 +57,8 @@ pub struct LatticeImage {
 /// Points along a tile's side, outer ones included, that we aim for: about 4000 samples a tile keep
 /// its store in the second-level cache whatever the number of samples a pixel.
 const POINTS_PER_SIDE: usize = 64;
-/// And of a tile of a pilot, which is to see all quarters of the film: 1.2 times the points of large
-/// tiles, for those on the rims.
+/// And of a tile of a pilot, which is to see all quarters of the film: 1.2 times the points of
+/// large tiles, for those on the rims.
 const POINTS_PER_SIDE_OF_SMALL: usize = 16;
 /// The plastic number's first two powers inverted: their multiples fill a square most evenly.
 const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
@@ -137,12 +137,13 @@ impl Lattice {
         (0..counts[0] * counts[1]).map(move |index| nth_part(pixels, counts, index))
     }
 
-    /// A tile over pixels, with random numbers of its own and those that it shares with all tiles of
-    /// the group.
+    /// A tile over pixels, with random numbers of its own and those that it shares with all tiles
+    /// of the group.
     pub fn tile_over(&self, [start, end]: Pixels, own: Stream, whole: Stream) -> Tile {
         let step = self.per_pixel.map(|n| 1.0 / n as f64);
-        // One for all tiles. The weights of a pixel's filter, and their slopes even more, sum up well
-        // over a lattice that goes on, and badly over one that is broken at the borders of tiles.
+        // One for all tiles. The weights of a pixel's filter, and their slopes even more, sum up
+        // well over a lattice that goes on, and badly over one that is broken at the borders of
+        // tiles.
         let shift = [0, 1].map(|axis| whole.single(Single::LatticeShift, [axis, 0, 0]));
         Tile {
             start,

@@ -13,14 +13,14 @@ const ROUND: f64 = 0.25;
 /// A vertex that stands out of a plane by less than this part of the mesh's extent lies in it.
 const FLAT: f64 = 1e-5;
 
-/// A round light of many patches that shines outward. From outside none of it hides another part, so
-/// that what hides it are other things; and all that is seen of it is nearer than its centre, but
-/// for a little.
+/// A round light of many patches that shines outward. From outside none of it hides another part,
+/// so that what hides it are other things; and all that is seen of it is nearer than its centre,
+/// but for a little.
 ///
 /// With R the radius of a sphere around it and r that of one inside about the same centre, no point
-/// of a facet is farther than w = √(R² − r²) from where the centre lies over the facet's plane. From
-/// a point at distance D only facets are seen whose normal has a cosine of at least r/D with the way
-/// there. So what is seen is at most w farther than the centre.
+/// of a facet is farther than w = √(R² − r²) from where the centre lies over the facet's plane.
+/// From a point at distance D only facets are seen whose normal has a cosine of at least r/D with
+/// the way there. So what is seen is at most w farther than the centre.
 pub struct Lamp {
     /// Of a sphere around it.
     pub centre: DVec3,

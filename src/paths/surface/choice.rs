@@ -1,8 +1,8 @@
 //! Surfaces made of several materials (`mask`, `blendbsdf`): each path meets one of them.
 //!
-//! A mixture Σ fₖ·Mₖ of materials is met as Mₖ with chance pₖ, and what comes of it is multiplied by
-//! fₖ/pₖ: all that follows knows only Mₖ. The chances are numbers at θ₀, so that the factor is what
-//! is differentiated. They are the fractions themselves, and the factor is 1, except where a
+//! A mixture Σ fₖ·Mₖ of materials is met as Mₖ with chance pₖ, and what comes of it is multiplied
+//! by fₖ/pₖ: all that follows knows only Mₖ. The chances are numbers at θ₀, so that the factor is
+//! what is differentiated. They are the fractions themselves, and the factor is 1, except where a
 //! fraction of nothing is asked about.
 
 use crate::lanes::{LANES, Lane};
@@ -201,8 +201,8 @@ impl SceneView<'_> {
         }))
     }
 
-    /// The change of [`Self::choice_factors`] as textures change by `change(texture, where)` and the
-    /// barycentrics by `db`.
+    /// The change of [`Self::choice_factors`] as textures change by `change(texture, where)` and
+    /// the barycentrics by `db`.
     pub fn choice_change(
         &self,
         vertices: &Vertices,

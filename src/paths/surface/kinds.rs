@@ -25,7 +25,8 @@ pub struct Kinds {
     pub null: u32,
     /// Of the dielectric ones, panes.
     pub thin: u32,
-    /// Mixtures in parts of which something is seen. Chains alone meet these; paths meet their parts.
+    /// Mixtures in parts of which something is seen. Chains alone meet these; paths meet their
+    /// parts.
     pub mixed: u32,
     pub principled: u32,
     /// Rough metal and glass whose roughness depends on the direction.

@@ -37,7 +37,8 @@ pub enum Turned {
 }
 
 impl Turned {
-    /// The slopes of what it turns normals by, along barycentrics: of the direction, or of the rises.
+    /// The slopes of what it turns normals by, along barycentrics: of the direction, or of the
+    /// rises.
     pub fn slopes(&self, relief: &Relief) -> [Vec3; 2] {
         match self {
             Turned::Map(_, slopes) => slopes.map(|s| s * 2.0),
@@ -52,7 +53,8 @@ impl Turned {
 }
 
 impl SceneView<'_> {
-    /// Calls `each` with the relief of every lane that has one, and its picture at barycentrics `b`.
+    /// Calls `each` with the relief of every lane that has one, and its picture at barycentrics
+    /// `b`.
     pub fn for_each_relief(
         &self,
         vertices: &Vertices,
@@ -130,8 +132,8 @@ impl SceneView<'_> {
         })
     }
 
-    /// The change of [`ReliefMaps::map`] and [`ReliefMaps::rises`] as pictures change (`change`) and
-    /// the barycentrics by `db`.
+    /// The change of [`ReliefMaps::map`] and [`ReliefMaps::rises`] as pictures change (`change`)
+    /// and the barycentrics by `db`.
     pub fn relief_change(
         &self,
         vertices: &Vertices,
@@ -185,8 +187,8 @@ impl SceneView<'_> {
     }
 }
 
-/// What the parts of a relief's direction along the grain and across it are multiplied with where it
-/// is seen from this side.
+/// What the parts of a relief's direction along the grain and across it are multiplied with where
+/// it is seen from this side.
 pub fn sides(relief: &Relief, facing: f32) -> [f32; 2] {
     let side = if relief.is_mirrored { 1.0 } else { facing };
     [side, side * facing]
@@ -225,9 +227,9 @@ pub fn turned(
 }
 
 impl SceneView<'_> {
-    /// Counts the lanes that move and whose turned normals would look away from the ray that arrives:
-    /// they have been turned round, and nobody follows the border of where that happens. `n`: the
-    /// normals before, at barycentrics `b`.
+    /// Counts the lanes that move and whose turned normals would look away from the ray that
+    /// arrives: they have been turned round, and nobody follows the border of where that happens.
+    /// `n`: the normals before, at barycentrics `b`.
     pub fn count_turned_round(
         &self,
         vertices: &Vertices,

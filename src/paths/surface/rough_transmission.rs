@@ -3,13 +3,13 @@
 //! A rough plastic's diffuse base is lit through its interface. What gets through at an angle is
 //! ∫(1 − F)·G₁(o) over the visible normals, o being the refracted direction: no closed form, so it
 //! is tabulated over the cosine, with the 64 cosines of Mitsuba's `roughplastic`. What comes back
-//! from inside is ∫F·G₁(o) with o reflected. Differences of both give the slopes by roughness and by
-//! the index of refraction.
+//! from inside is ∫F·G₁(o) with o reflected. Differences of both give the slopes by roughness and
+//! by the index of refraction.
 //!
-//! From inside, F turns off sharply where total reflection begins, and a sum over sample normals would
-//! jump whenever one of them passes that angle as the index changes. Only F depends on the index
-//! there, and only by the cosine to the normal. So the rest is gathered over that cosine once, and F
-//! is averaged around each of its places.
+//! From inside, F turns off sharply where total reflection begins, and a sum over sample normals
+//! would jump whenever one of them passes that angle as the index changes. Only F depends on the
+//! index there, and only by the cosine to the normal. So the rest is gathered over that cosine
+//! once, and F is averaged around each of its places.
 
 use crate::kernels::bsdf::RoughTransmission;
 use crate::kernels::fresnel::fresnel_dielectric;
@@ -49,8 +49,8 @@ struct Interfaces {
     inside: f64,
 }
 
-/// What would come back from inside in all if all of it were reflected, by the cosine to the normals
-/// that reflect it: at equal distances from 0 to 1.
+/// What would come back from inside in all if all of it were reflected, by the cosine to the
+/// normals that reflect it: at equal distances from 0 to 1.
 struct Inside([f64; PLACES]);
 
 impl Inside {
@@ -209,8 +209,9 @@ fn cosine(i: usize) -> f64 {
     (i as f64 / (ENTRIES - 1) as f64).max(1e-6)
 }
 
-/// Calls `each` with the direction that light comes from at cosine `cos`, some of the normals that are
-/// visible from there, whose lattice stands at `shift` in its cells, and the part that each stands for.
+/// Calls `each` with the direction that light comes from at cosine `cos`, some of the normals that
+/// are visible from there, whose lattice stands at `shift` in its cells, and the part that each
+/// stands for.
 fn for_each_normal(
     (cos, shift): (f64, [f64; 2]),
     alpha: f64,
@@ -237,8 +238,8 @@ fn shown(cos_out: f64, alpha: f64, is_ggx: bool) -> f64 {
     }
 }
 
-/// What a rough interface lets through of light at cosine `cos`; `ratio` is the index beyond it over
-/// that before it.
+/// What a rough interface lets through of light at cosine `cos`; `ratio` is the index beyond it
+/// over that before it.
 fn transmitted(cos: f64, ratio: f64, alpha: f64, is_ggx: bool) -> f64 {
     let mut sum = 0.0;
     for_each_normal((cos, [0.5; 2]), alpha, is_ggx, |wi, h, weight| {

@@ -194,8 +194,8 @@ impl SceneView<'_> {
         masked(lit, surface.shown(vertices, w, value))
     }
 
-    /// What is sent of a beam of unit irradiance (across it) that comes from `w`, on either side, in
-    /// lanes of `glass`: the BSDF times the cosine.
+    /// What is sent of a beam of unit irradiance (across it) that comes from `w`, on either side,
+    /// in lanes of `glass`: the BSDF times the cosine.
     pub fn bsdf_sent(
         &self,
         vertices: &Vertices,

@@ -13,9 +13,9 @@
 //!
 //!   V = Σ s_i Ω_i×ω,  and  ∇·V = Σ ∇s_i·(Ω_i×ω) = Σ Ω_i·(ω×∇s_i),
 //!
-//! and a kernel that is drawn from adds to the score in the same way. A [`follow::Follow`] keeps a point,
-//! its share, and the vector that Ω is multiplied with in the score: all that the sweeps need, so
-//! they serve every such method.
+//! and a kernel that is drawn from adds to the score in the same way. A [`follow::Follow`] keeps a
+//! point, its share, and the vector that Ω is multiplied with in the score: all that the sweeps
+//! need, so they serve every such method.
 
 pub mod follow;
 pub mod kernel;

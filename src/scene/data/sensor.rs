@@ -9,8 +9,8 @@ pub struct Sensor {
     /// Camera to world: looks along +z, +x is left in the image, +y up (Mitsuba's convention).
     /// Rigid.
     pub to_world: Affine3A,
-    /// Horizontal opening angle in radians, whatever `fov_axis` the file used; nothing to a parallel
-    /// projection.
+    /// Horizontal opening angle in radians, whatever `fov_axis` the file used; nothing to a
+    /// parallel projection.
     pub x_fov_rad: f32,
     pub lens: Lens,
     pub near_clip: f32,

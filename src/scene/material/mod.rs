@@ -132,8 +132,8 @@ impl Materials {
         textures
     }
 
-    /// Whether texture coordinates say in which direction a material, or a part of it, is brushed or
-    /// turned.
+    /// Whether texture coordinates say in which direction a material, or a part of it, is brushed
+    /// or turned.
     pub fn has_grain(&self, material: usize) -> bool {
         let material = &self.list[material];
         let nested = material.bsdf.nested().into_iter();

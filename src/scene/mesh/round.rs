@@ -33,9 +33,9 @@ pub(in crate::scene) fn disk() -> RawMesh {
     mesh
 }
 
-/// The cylinder of radius 1 about the z axis from 0 to 1, open at its ends, facing outwards. Texture
-/// coordinates as in Mitsuba: u the angle from +x over its full turn, v along the axis. Its normals
-/// are exact.
+/// The cylinder of radius 1 about the z axis from 0 to 1, open at its ends, facing outwards.
+/// Texture coordinates as in Mitsuba: u the angle from +x over its full turn, v along the axis. Its
+/// normals are exact.
 pub(in crate::scene) fn cylinder() -> RawMesh {
     let mut mesh = RawMesh::default();
     let mut uvs = Vec::new();

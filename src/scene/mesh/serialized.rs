@@ -2,10 +2,10 @@
 //!
 //! Each begins with a magic number and a version, both u16. A zlib stream follows: flags, from
 //! version 4 on a name that ends with a zero, the numbers of vertices and triangles (u64), then
-//! positions, normals, texture coordinates and colours, as far as the flags say that they are there,
-//! and the corners of triangles (u32). The file ends with the offsets of all its meshes (u64, before
-//! version 4 u32) and their number (u32). All of it is little-endian. (Mitsuba 3's documentation of
-//! `serialized`.)
+//! positions, normals, texture coordinates and colours, as far as the flags say that they are
+//! there, and the corners of triangles (u32). The file ends with the offsets of all its meshes
+//! (u64, before version 4 u32) and their number (u32). All of it is little-endian. (Mitsuba 3's
+//! documentation of `serialized`.)
 
 use super::{MeshError, RawMesh};
 use flate2::read::ZlibDecoder;
@@ -20,8 +20,8 @@ const DOUBLE: u32 = 0x2000;
 /// Numbers that are unpacked at once: what a file claims takes no memory before it is there.
 const BLOCK: usize = 1 << 14;
 
-/// Reads the mesh with this number, from 0. The flag 0x10, which asks for face normals, says nothing,
-/// as in Mitsuba 3.9.1, whatever its documentation says.
+/// Reads the mesh with this number, from 0. The flag 0x10, which asks for face normals, says
+/// nothing, as in Mitsuba 3.9.1, whatever its documentation says.
 pub fn parse(bytes: &[u8], number: u32) -> Result<RawMesh, MeshError> {
     let version = version(bytes, 0)?;
     let start = match number {

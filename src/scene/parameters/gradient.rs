@@ -16,8 +16,8 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// By one parameter, of its shape; empty if that is not differentiable. What is not known counts
-    /// as zero.
+    /// By one parameter, of its shape; empty if that is not differentiable. What is not known
+    /// counts as zero.
     pub fn by(&self, scene: &Scene, parameter: &Parameter) -> Vec<f32> {
         let of = |(target, _): &&(Target, Vec<f32>)| Some(*target) == parameter.target;
         match self.numbers.iter().find(of) {

@@ -25,7 +25,8 @@ pub(in crate::scene) struct Tree {
 }
 
 impl Tree {
-    /// Whether an object, or something inside it, is not supported: only when parameters are listed.
+    /// Whether an object, or something inside it, is not supported: only when parameters are
+    /// listed.
     pub fn lacks_support(&self, object: usize) -> bool {
         let object = &self.objects[object];
         let mut children = object.children.iter();

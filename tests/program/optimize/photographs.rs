@@ -189,7 +189,8 @@ fn pictures_of_one_name_in_two_folders_are_two_cameras() {
     );
 }
 
-/// Where a mask is what shapes cover, a pixel that is covered in part shows what is behind them, too.
+/// Where a mask is what shapes cover, a pixel that is covered in part shows what is behind them,
+/// too.
 #[test]
 fn colours_count_where_shapes_cover_all_of_a_pixel() {
     let directory = studio();

@@ -97,8 +97,8 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         for step in 0..STEPS {
             let here = Followed::new(scene.view, rays, s, &way.bends, self.counts)?;
             let side = here.side(scene, boundary, shadow);
-            // The slope between the last two places that rounding leaves apart; at first between the
-            // ends, or a little beside.
+            // The slope between the last two places that rounding leaves apart; at first between
+            // the ends, or a little beside.
             let measured = last.filter(|(t, _)| (s - t).abs() > APART * length);
             let slope = match (measured, known) {
                 (Some((t, f)), _) => (side - f) / (s - t),

@@ -62,7 +62,8 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 });
                 continue;
             }
-            // On the first surface what searches there finds them, unless they cut what lies behind.
+            // On the first surface what searches there finds them, unless they cut what lies
+            // behind.
             let has_lines = view.geometry.has_texture_edges(seen[0])
                 && (!way.bends.is_empty() || bends_otherwise(view, seen[0]));
             if seen[0] == seen[1] && !has_lines {

@@ -6,13 +6,13 @@ use crate::discontinuity::between::HALVINGS;
 use crate::paths::chain_vertex::Turn;
 use crate::paths::meeting::LEAST_CHANCE;
 
-/// The chance with which chains go on that are as long as paths which roulette may end. Less than that
-/// of paths: each look along a chain follows all of it anew.
+/// The chance with which chains go on that are as long as paths which roulette may end. Less than
+/// that of paths: each look along a chain follows all of it anew.
 const MOST_SURVIVAL: f64 = 0.75;
 
 /// How many parts of what a line sees behind so many smooth surfaces are followed beyond that, in
-/// expectation. Mirrors that see each other's facets would else cut a line into ever more parts with
-/// every bounce.
+/// expectation. Mirrors that see each other's facets would else cut a line into ever more parts
+/// with every bounce.
 fn most_parts(surfaces: usize, has_new_points: bool) -> f64 {
     match surfaces {
         0 if has_new_points => 8.0,

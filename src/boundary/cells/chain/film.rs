@@ -61,7 +61,8 @@ impl FirstRays for LineRays<'_> {
     }
 }
 
-/// Finds what jumps behind smooth surfaces. `stream` has the random numbers of what looks beside it.
+/// Finds what jumps behind smooth surfaces. `stream` has the random numbers of what looks beside
+/// it.
 pub fn find(cells: &LatticeCells, stream: &Stream, out: &mut Found) {
     let FilmTile { view, tile, .. } = *cells.film;
     if !view.materials.any_chains {

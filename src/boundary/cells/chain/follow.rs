@@ -145,8 +145,8 @@ fn toward_delta_light<F: Real<Mask = bool>>(
     (y, toward(&view.delta_lights[light as usize], y).0)
 }
 
-/// c in F = c·d for the directions d in which a chain's first ray starts at `o`: how the boundary's F
-/// at its end changes with d.
+/// c in F = c·d for the directions d in which a chain's first ray starts at `o`: how the boundary's
+/// F at its end changes with d.
 pub fn normal_through(
     view: &SceneView,
     chain: &[ChainVertex],

@@ -12,9 +12,8 @@ use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use glam::{DVec3, Vec3};
 
-/// The jump at each of some borders, up to `LANES / 2` behind as many smooth surfaces each, whose first rays
-/// lead to vertex `depth`. `index` are the sample indices of
-/// what looks there.
+/// The jump at each of some borders, up to `LANES / 2` behind as many smooth surfaces each, whose
+/// first rays lead to vertex `depth`. `index` are the sample indices of what looks there.
 pub fn jumps(
     scene: &SearchScene,
     borders: &[&Found],

@@ -2,8 +2,8 @@
 //!
 //! The surfaces that neighbouring rays of a line meet first are compared, and where these part the
 //! line is cut. On each part that sees one smooth surface, what that does with the rays is chosen
-//! (reflect or refract), all of its rays are followed to what they meet next, and so on. Where a cut
-//! lies behind a smooth surface it is a border whose jump counts.
+//! (reflect or refract), all of its rays are followed to what they meet next, and so on. Where a
+//! cut lies behind a smooth surface it is a border whose jump counts.
 
 use super::follow::{FirstRays, Followed};
 use crate::boundary::search_scene::SearchScene;

@@ -32,8 +32,8 @@ impl Line<'_> {
         run
     }
 
-    /// The chance to find a cut at which rays change sides of a plane: both sides have to be met. Zero
-    /// for other cuts.
+    /// The chance to find a cut at which rays change sides of a plane: both sides have to be met.
+    /// Zero for other cuts.
     fn plane(&self, cut: usize) -> f64 {
         match self.near[cut] {
             Near::OwnPlane => self.met[cut].min(self.met[cut + 1]),
@@ -43,11 +43,12 @@ impl Line<'_> {
 }
 
 impl<R: FirstRays> ChainSearch<'_, R> {
-    /// Weighs what was found by one over the chance of finding it, and notes those of runs. A border
-    /// is found from the side that hides the other, wherever a point lies there; what in turn hides
-    /// that, up to its own border, finds it as well. So is a run found from what hides it, and from
-    /// what it hangs together with. Where rays change sides of the plane of the triangle that bends
-    /// them, that is found if both sides are met, and what ends there is found with it.
+    /// Weighs what was found by one over the chance of finding it, and notes those of runs. A
+    /// border is found from the side that hides the other, wherever a point lies there; what in
+    /// turn hides that, up to its own border, finds it as well. So is a run found from what hides
+    /// it, and from what it hangs together with. Where rays change sides of the plane of the
+    /// triangle that bends them, that is found if both sides are met, and what ends there is found
+    /// with it.
     pub(super) fn weigh(
         &mut self,
         all: &mut Cuts,
@@ -121,11 +122,11 @@ impl<R: FirstRays> ChainSearch<'_, R> {
 
     /// The chance that a part of the line is found, other than at its ends.
     ///
-    /// That is the chance that a point lies on it, unless it is found from beyond, too: what a sheet
-    /// shows of its other side lies behind a fold of the one that is seen, and whoever walks over it
-    /// from there passes the fold. A part that no point lies in was found so. Of one in which points do
-    /// lie, it is tried whether it is found without them. Else borders would weigh more than they are
-    /// rare.
+    /// That is the chance that a point lies on it, unless it is found from beyond, too: what a
+    /// sheet shows of its other side lies behind a fold of the one that is seen, and whoever walks
+    /// over it from there passes the fold. A part that no point lies in was found so. Of one in
+    /// which points do lie, it is tried whether it is found without them. Else borders would weigh
+    /// more than they are rare.
     fn chance_of_part(&mut self, [low, high]: [f64; 2], (rays, way): (&[Followed], &Way)) -> f64 {
         let chance = self.chance([low, high], way);
         if chance >= way.met {

@@ -1,13 +1,13 @@
-//! The border of a light's beam on what it falls on: that of a projector's picture, or the cutoff of
-//! a spot that is as bright there as within.
+//! The border of a light's beam on what it falls on: that of a projector's picture, or the cutoff
+//! of a spot that is as bright there as within.
 //!
 //! A picture lies between four planes through the projector, which keep their directions. With n
 //! the normal of one and w the way from the receiver to the light, F = n·w ([`Boundary::Plane`]).
 //!
-//! A spot's beam is a cone about the z axis of the light's own axes: with p = −w in these, the border
-//! is where p_z − cos(cutoff) |p| is 0. To first order that changes as n·p with n = z − cos(cutoff)
-//! p/|p|, the normal of the plane that touches the cone along p. So each point of the border moves
-//! as that of this plane does.
+//! A spot's beam is a cone about the z axis of the light's own axes: with p = −w in these, the
+//! border is where p_z − cos(cutoff) |p| is 0. To first order that changes as n·p with n = z −
+//! cos(cutoff) p/|p|, the normal of the plane that touches the cone along p. So each point of the
+//! border moves as that of this plane does.
 
 use super::follow::{Rays, parameter_of, surface};
 use super::receiver::Receiver;

@@ -48,8 +48,8 @@ pub struct FilmCell<'a> {
     triangles: [u32; 2],
     /// How many cells it stands for.
     pub weight: u32,
-    /// Which random numbers probes have: those of the cell, or, in crowds, of the line. What is seen
-    /// on the inner sides of a thin thing's two borders, in neighbouring cells, cancels then.
+    /// Which random numbers probes have: those of the cell, or, in crowds, of the line. What is
+    /// seen on the inner sides of a thin thing's two borders, in neighbouring cells, cancels then.
     pub numbers: u32,
 }
 
@@ -114,8 +114,8 @@ impl<'a> LatticeCells<'a> {
         self.all_about(line, at, ABOUT, |point, _| radiance[point] == first)
     }
 
-    /// Whether each of these points has the radiance of the one of the two that sees its mesh, up to
-    /// this part of the difference between the two.
+    /// Whether each of these points has the radiance of the one of the two that sees its mesh, up
+    /// to this part of the difference between the two.
     pub fn is_even_about(&self, line: LatticeLine, at: usize, part: f64) -> bool {
         let radiance = |point: usize| Vec3::from(self.film.image.radiance[point]).as_dvec3();
         let [a, b] = [at, at + 1].map(|at| radiance(self.index(line, at)));

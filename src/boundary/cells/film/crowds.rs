@@ -11,8 +11,8 @@
 //! nothing but the place. It is told by a *pilot*: short lines of rays, as far apart as the
 //! lattice's points, of which no sample knows. A border between two of them is *unresolved* if
 //! their next neighbours do not see the same surfaces. If what ends there is parallel to it nothing
-//! is said: the borders of a hair have the same shortest velocity anyhow, and their points may slide
-//! along it.
+//! is said: the borders of a hair have the same shortest velocity anyhow, and their points may
+//! slide along it.
 
 use super::cell::LatticeCells;
 use crate::boundary::search_scene::SearchScene;

@@ -1,17 +1,17 @@
 //! What the film drifts with (`paths::film::drift`).
 //!
-//! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or plastic
-//! that moves the node follows what it hits of such surfaces, because their light changes along them.
-//! Where it meets many things the node follows all that it hits: there are too many borders to find,
-//! on the film and in what its vertices see, and they move about as the points do. Before an
-//! environment map it does so everywhere if the camera moves and paths are long, since the whole world
-//! rests then. Where it meets a mesh with detail that sees itself (`detail`), or with fine pictures
-//! (`pictures`), it follows what it hits of that. Elsewhere the node rests. The few borders there are
-//! found for sure, and an image's noise would be worse than theirs.
+//! Around each node a pilot looks at the film in a few points. Where it meets metal, glass or
+//! plastic that moves the node follows what it hits of such surfaces, because their light changes
+//! along them. Where it meets many things the node follows all that it hits: there are too many
+//! borders to find, on the film and in what its vertices see, and they move about as the points do.
+//! Before an environment map it does so everywhere if the camera moves and paths are long, since
+//! the whole world rests then. Where it meets a mesh with detail that sees itself (`detail`), or
+//! with fine pictures (`pictures`), it follows what it hits of that. Elsewhere the node rests. The
+//! few borders there are found for sure, and an image's noise would be worse than theirs.
 //!
 //! That is what mostly pays. Over a ball of smooth normals that rests on the film they turn by one
-//! over the cosine at which a facet is seen, and a few facets that are seen edge-on have most of the
-//! variance once samples meet them; over one of even light following has hundreds of times the
+//! over the cosine at which a facet is seen, and a few facets that are seen edge-on have most of
+//! the variance once samples meet them; over one of even light following has hundreds of times the
 //! variance of rest. So a pilot may also try to follow all ([`Follows`]).
 
 use super::{detail, pictures};

@@ -1,10 +1,10 @@
 //! How often the film looks at what it has met.
 //!
-//! The lines of a lattice cross a border as often as there are lines, so that the crossings in a pixel
-//! go with the square root of its samples. With one look at each the noise of the jumps, which is
-//! that of the light on both sides, would fall as much more slowly than that of all else: of a ball
-//! under an even sky it was nearly all of the variance with 64 samples a pixel. Where crossings are
-//! few many looks cost little.
+//! The lines of a lattice cross a border as often as there are lines, so that the crossings in a
+//! pixel go with the square root of its samples. With one look at each the noise of the jumps,
+//! which is that of the light on both sides, would fall as much more slowly than that of all else:
+//! of a ball under an even sky it was nearly all of the variance with 64 samples a pixel. Where
+//! crossings are few many looks cost little.
 //!
 //! The looks at one place, and at the places about it, have consecutive numbers of a sequence whose
 //! blocks are well spread over bounces and lights (`paths::random`). A pixel's part of an outline
@@ -14,15 +14,15 @@ use super::cell::FilmCell;
 use crate::boundary::cells::line_search::{Candidate, Met};
 use std::ops::Range;
 
-/// Of a tile, so many come to one look, which is from both sides. It takes less than a sample, whose
-/// path looks for borders.
+/// Of a tile, so many come to one look, which is from both sides. It takes less than a sample,
+/// whose path looks for borders.
 const SAMPLES_PER_LOOK: usize = 2;
 /// Radiances on one side that differ by less, relative to those of the two sides, are even.
 const EVEN: f64 = 0.05;
 /// Looks at one crossing.
 const MOST_LOOKS: usize = 16;
-/// What is met with a small chance stands for many, and the looks that all of these would have had are
-/// given to it, up to so many: more are as good for specks, and cost time in hair.
+/// What is met with a small chance stands for many, and the looks that all of these would have had
+/// are given to it, up to so many: more are as good for specks, and cost time in hair.
 const MOST_BY_CHANCE: f64 = 8.0;
 
 /// Which looks each of what was met has. None where the light hardly varies beside a border, so

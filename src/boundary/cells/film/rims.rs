@@ -1,7 +1,7 @@
 //! Where the beams of lights end along the rows and columns of a tile's lattice.
 //!
-//! Where that is on a surface is known without a search, so that all of it is found on surfaces that
-//! a point of the lattice sees.
+//! Where that is on a surface is known without a search, so that all of it is found on surfaces
+//! that a point of the lattice sees.
 
 use super::cell::{LatticeCells, LatticeLine};
 use super::shadow_border::{Border, SMALLEST_CHANCE, between};
@@ -29,8 +29,8 @@ pub fn find(cells: &LatticeCells, borders: &mut Vec<Border>, counts: &mut Counts
     }
 }
 
-/// Looks for them from what is seen at a point of a line toward one beside it. Says whether both see
-/// one surface.
+/// Looks for them from what is seen at a point of a line toward one beside it. Says whether both
+/// see one surface.
 fn from_point(
     cells: &LatticeCells,
     line: LatticeLine,

@@ -7,9 +7,9 @@
 //! jump *where the silhouette is*: it is neither moved nor differentiated, so a box filter is as
 //! good as a smooth one (`super::piece`), and no kernel blurs the image.
 //!
-//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side or more. The two share
-//! their random numbers, as a correlated pair: at an edge of a flat-shaded surface both see the
-//! same light sample, and only the normals differ.
+//! The jump is L₋ − L₊ right beside the silhouette, from one ray on either side or more. The two
+//! share their random numbers, as a correlated pair: at an edge of a flat-shaded surface both see
+//! the same light sample, and only the normals differ.
 
 use super::cell::{FilmCell, LatticeCells, LatticeLine};
 use super::crowds::Crowds;

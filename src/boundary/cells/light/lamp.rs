@@ -31,8 +31,8 @@ use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// How far beside a shadow's end the lamp is looked for: a part of the line, and an angle under which
-/// the distance from surfaces at which rays start is seen from the lamp.
+/// How far beside a shadow's end the lamp is looked for: a part of the line, and an angle under
+/// which the distance from surfaces at which rays start is seen from the lamp.
 const BESIDE: f64 = 2e-4;
 const CLEAR: f64 = 10.0;
 
@@ -180,8 +180,8 @@ impl<'a> LampLine<'a> {
         self.x + d * (distance * (distance + self.lamp.behind) / self.way.dot(d))
     }
 
-    /// The triangle of the lamp that is seen beside the end of a shadow. `None`, and counted, where one
-    /// side is not open or the other not hidden: then it is no end.
+    /// The triangle of the lamp that is seen beside the end of a shadow. `None`, and counted, where
+    /// one side is not open or the other not hidden: then it is no end.
     fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
         let extent = self.points[POINTS - 1] - self.points[0];
         let offset = f64::from(self.point.clearance);

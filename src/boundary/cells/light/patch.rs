@@ -92,8 +92,8 @@ impl LightLines<'_> {
             std::array::from_fn(|i| std::array::from_fn(|l| points[l][i] as f32))
         };
         let visible = positions.map(|along| self.visible(&along, active, out));
-        // Where all points are hidden light may yet pass between them, and the shadows that reach to
-        // the rims are taken to be met with certainty.
+        // Where all points are hidden light may yet pass between them, and the shadows that reach
+        // to the rims are taken to be met with certainty.
         let hidden = visible.iter().fold(0, |bits, open| bits | (active & !open));
         for lane in (0..LANES).filter(|&l| hidden >> l & 1 == 1) {
             let line = LightLine {

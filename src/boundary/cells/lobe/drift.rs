@@ -1,17 +1,17 @@
 //! What directions over lobes drift with (`paths::lobe_drift`), and where they rest.
 //!
-//! Bounces follow pieces of metal, glass and plastic, because their light changes along them; pieces
-//! that are curved, along which points slide near an outline; and meshes of many pieces, because there
-//! are too many borders to find.
+//! Bounces follow pieces of metal, glass and plastic, because their light changes along them;
+//! pieces that are curved, along which points slide near an outline; and meshes of many pieces,
+//! because there are too many borders to find.
 //!
 //! Where a surface is full of detail its normal turns by much over its own size. A lobe that turns
 //! with the normal sweeps over what it sees, and where it sees such a surface again, as inside of
-//! glass, its ray is turned by many times as much: after four reflections inside of a scanned animal
-//! by a hundred thousand times. There directions rest in the world, and what the lobe sends along
-//! them changes instead. That has a noise in proportion to one over the lobe's width, but once. Of a
-//! diffuse lobe it is so little that directions rest over all that is curved: in a furnished room a
-//! ball that moves has a quarter of the variance. Pictures that turn normals are detail, too
-//! (`relief`).
+//! glass, its ray is turned by many times as much: after four reflections inside of a scanned
+//! animal by a hundred thousand times. There directions rest in the world, and what the lobe sends
+//! along them changes instead. That has a noise in proportion to one over the lobe's width, but
+//! once. Of a diffuse lobe it is so little that directions rest over all that is curved: in a
+//! furnished room a ball that moves has a quarter of the variance. Pictures that turn normals are
+//! detail, too (`relief`).
 
 use super::relief;
 use super::walls::walls;
@@ -25,7 +25,8 @@ use std::collections::BTreeMap;
 /// The mean turn of a mesh's normals over half its size from which it is full of detail; a ball's
 /// is 1.7. Over these also the directions of rough metal, glass and plastic rest.
 const DETAIL_RAD: f64 = 3.0;
-/// The same from which it is curved: points on it slide near its outline and its normal turns there.
+/// The same from which it is curved: points on it slide near its outline and its normal turns
+/// there.
 const CURVED_RAD: f64 = 1.0;
 /// Facets of something curved meet at less than that.
 const MOST_BEND_RAD: f64 = 0.5;
@@ -174,9 +175,9 @@ fn shading_turn(scene: &SearchScene, triangle: u32, area: f64) -> f64 {
     area * (0..3).map(along).sum::<f64>() / 3.0
 }
 
-/// The same of facets, which turn at their edges: the mean curvature's integral is half of an edge's
-/// angle times its length, and either triangle has half of that. Where they turn by more at once a
-/// shape is not curved but has edges.
+/// The same of facets, which turn at their edges: the mean curvature's integral is half of an
+/// edge's angle times its length, and either triangle has half of that. Where they turn by more at
+/// once a shape is not curved but has edges.
 fn facets_turn(scene: &SearchScene, triangle: u32, _: f64) -> f64 {
     let geometry = scene.view.geometry;
     let p = corners(geometry, triangle);

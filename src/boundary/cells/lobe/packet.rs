@@ -60,11 +60,12 @@ pub fn find(scene: &SearchScene, at: &At, (bounce, lanes): (&Bounce, u32), out: 
 }
 
 /// Lines among reflecting surfaces. A line costs many rays: mostly that of one lane stands for all.
-/// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they are
-/// not that narrow, one may be near though they do not: all its lanes look for it. Where surfaces move
-/// and directions rest, what rests brings nothing over the lobe, and one lane is enough: inside of a
-/// scanned animal of rough glass all had two and a half times the variance in equal time. In crowds
-/// surfaces differ in what they see and a line meets much: there two of each mesh look.
+/// But where narrow lobes of a packet see different meshes, a silhouette is near, and where they
+/// are not that narrow, one may be near though they do not: all its lanes look for it. Where
+/// surfaces move and directions rest, what rests brings nothing over the lobe, and one lane is
+/// enough: inside of a scanned animal of rough glass all had two and a half times the variance in
+/// equal time. In crowds surfaces differ in what they see and a line meets much: there two of each
+/// mesh look.
 fn among_surfaces(search: &mut LobeSearch) {
     let At { vertices, .. } = *search.at;
     let environment = &search.scene.view.scene.environment;

@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 /// About so many points of a mesh tell.
 const POINTS: usize = 1 << 10;
 
-/// By how much reliefs turn a mesh's normals over a unit of length, from texel to texel, in the mean
-/// over its surface; of several materials that of the most. Zero without pictures that do.
+/// By how much reliefs turn a mesh's normals over a unit of length, from texel to texel, in the
+/// mean over its surface; of several materials that of the most. Zero without pictures that do.
 pub fn turn_rad_per_length(scene: &SearchScene, mesh: usize) -> f64 {
     let view = scene.view;
     let parts = view.scene.parts_of(view.scene.meshes[mesh].material);

@@ -1,7 +1,8 @@
 //! New triangles of even size over a surface: split, collapse, flip and relax \[Botsch2004\].
 //!
-//! Vertices are relaxed within their tangent planes; unlike in the paper they are not projected back
-//! to the old surface, from which they stray by a second-order amount. Borders stay as they are.
+//! Vertices are relaxed within their tangent planes; unlike in the paper they are not projected
+//! back to the old surface, from which they stray by a second-order amount. Borders stay as they
+//! are.
 
 mod collapse;
 mod flip;
