@@ -14,7 +14,7 @@ use crate::statistics::comparison::Comparison;
 use report::{FOUND, conclude, write_images};
 use runs::{Check, MOST_RUNS, PICTURE_ROUNDING, SHORTER};
 use std::ffi::OsString;
-use verdict::{Circumstances, Outcome, SIGNIFICANT, judge};
+use verdict::{Circumstances, Outcome, SIGNIFICANT, cannot_tell, judge};
 
 /// Runs the three and compares them.
 pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure> {
@@ -82,7 +82,10 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         && check.takes_shorter_steps(rounding, tolerance)?
     {
         comparison = Comparison::of(&check.tested, &check.reference, SHORTER * rounding);
-        verdict = judged(&comparison);
+        verdict = match comparison.reference_is_significant {
+            true => judged(&comparison),
+            false => cannot_tell(method.name(), &comparison, tolerance),
+        };
     }
     write_images(&mut check.session, &check.tested, &check.reference)?;
     conclude(

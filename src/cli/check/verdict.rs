@@ -128,6 +128,17 @@ pub fn judge(
     }
 }
 
+/// Where differences with other steps are others, and those that count are all noise.
+pub fn cannot_tell(method: &str, c: &Comparison, tolerance: f64) -> Verdict {
+    Verdict {
+        outcome: Outcome::CannotTell,
+        agrees: false,
+        summary: ignorance(method, c, tolerance),
+        complaints: Vec::new(),
+        doubts: Vec::new(),
+    }
+}
+
 fn agreement(method: &str, t: &Transposition, c: &Comparison, tolerance: f64) -> String {
     let same = format!(
         "Forward and backward are the same number but for {:.0e} of its magnitude.",

@@ -178,3 +178,33 @@ fn how_much_there_is_to_do_is_said_before_and_how_long_after_the_first_run() {
     told.dedup();
     assert_eq!(told.len(), count, "{message}");
 }
+
+/// A card that hangs closer before a wall than differences step: they move it through the wall.
+const CLOSE: &str = r#"<scene version="3.0.0">
+<integrator type="path"><integer name="max_depth" value="2"/></integrator>
+<sensor type="perspective">
+  <float name="fov" value="40"/>
+  <transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform>
+  <film type="hdrfilm"><rfilter type="gaussian"/></film>
+</sensor>
+<emitter type="constant"/>
+<shape type="rectangle"><bsdf type="diffuse"/></shape>
+<shape type="rectangle" id="card">
+  <transform name="to_world"><scale value="0.3"/><translate x="0.2" y="0.1" z="0.01"/></transform>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf>
+</shape></scene>"#;
+
+#[test]
+fn differences_that_pass_something_accuse_nobody() {
+    let directory = workplace();
+    std::fs::write(directory.path().join("close.xml"), CLOSE).unwrap();
+    let line = "check close.xml --resolution 16x16 --spp 64 --param card.translation=0,0,1 -o out";
+    let out = warpath(directory.path(), &typed(line));
+    let message = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(6), "{message}");
+    assert!(
+        message.contains("passes something within a step"),
+        "{message}"
+    );
+    assert!(message.contains("cannot tell: "), "{message}");
+}
