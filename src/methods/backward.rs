@@ -134,7 +134,14 @@ fn sweep_tiles(
         lobe_drift: estimator.lobe_drift(&view),
         filter_follows: estimator.warp().is_some_and(Warp::filter_follows),
     };
-    let (stores, scratch) = (Spare::new(), Spare::new());
+    let tools = Tools {
+        stage,
+        integrator,
+        sweep,
+        stores: Spare::new(),
+        scratch: Spare::new(),
+        clock,
+    };
     let mut swept = Swept {
         images: stage.group_images()?,
         groups: Vec::new(),
@@ -144,9 +151,9 @@ fn sweep_tiles(
     let mut sums = FilmSums::new(scene, geometry, wanted)?;
     let mut not_finite = 0;
     let mut finish = |sums: &mut FilmSums| {
-        let mut own = scratch.take(|| TileSums::new(scene, geometry, wanted));
-        not_finite += add_followed(&sweep, sums, &mut own);
-        scratch.give_back(own);
+        let mut own = tools.take_scratch();
+        not_finite += add_followed(&tools.sweep, sums, &mut own);
+        tools.scratch.give_back(own);
         sums.scale(asked.magnitude);
         sums.take(scene, geometry, &stage.camera, asked.request)
     };
@@ -158,32 +165,8 @@ fn sweep_tiles(
         progress,
         statistics,
         |group, index| {
-            let tile = stage.tile(group, index);
-            let start = Instant::now();
-            let store = stores.take(TileStore::default);
-            let view = stage.view_of_tile(group, index);
-            let integrator = Integrator {
-                view: &view,
-                ..integrator
-            };
-            let sweep = BackwardSweep {
-                view: &view,
-                ..sweep
-            };
-            let traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
-            let start = clock.add_tracing(start);
-            let mut block = Block::new(&stage.filter, &traced.tile);
-            traced.splat(&traced.image.radiance, &mut block);
-            let mut tile_sums = scratch.take(|| TileSums::new(scene, geometry, wanted));
-            stage.tiling.keep_own(index, &mut block);
             let adjoint = &adjoints[stage.tiling.region_of(index)];
-            let gradient = differentiate(stage, &sweep, &traced, adjoint, &mut tile_sums);
-            clock.add_differentiating(start);
-            scratch.give_back(tile_sums);
-            stores.give_back(traced.store);
-            let mut counts = traced.counts;
-            counts.gradient_not_finite += gradient.not_finite;
-            ((block, gradient), counts)
+            tools.sweep_tile((group, index), adjoint)
         },
         |group, (block, gradient)| {
             if (group - first) as usize > swept.groups.len() {
@@ -199,8 +182,60 @@ fn sweep_tiles(
         gradient_not_finite: not_finite,
         ..Counts::default()
     });
-    clock.stop(statistics);
+    tools.clock.stop(statistics);
     Ok(swept)
+}
+
+/// What tiles are swept with.
+struct Tools<'a> {
+    stage: &'a Stage<'a>,
+    integrator: Integrator<'a>,
+    sweep: BackwardSweep<'a>,
+    stores: Spare<TileStore>,
+    scratch: Spare<TileSums>,
+    clock: StageClock,
+}
+
+impl Tools<'_> {
+    fn take_scratch(&self) -> TileSums {
+        let (scene, geometry) = (self.stage.scene, &self.stage.parts.geometry);
+        self.scratch
+            .take(|| TileSums::new(scene, geometry, self.sweep.wanted))
+    }
+
+    /// Traces one tile of a group and differentiates it.
+    fn sweep_tile(
+        &self,
+        (group, index): (u32, usize),
+        adjoint: &[Rgb],
+    ) -> ((Block, TileGradient), Counts) {
+        let stage = self.stage;
+        let tile = stage.tile(group, index);
+        let start = Instant::now();
+        let store = self.stores.take(TileStore::default);
+        let view = stage.view_of_tile(group, index);
+        let integrator = Integrator {
+            view: &view,
+            ..self.integrator
+        };
+        let sweep = BackwardSweep {
+            view: &view,
+            ..self.sweep
+        };
+        let traced = TracedTile::trace(&integrator, &stage.filter, tile, true, store);
+        let start = self.clock.add_tracing(start);
+        let mut block = Block::new(&stage.filter, &traced.tile);
+        traced.splat(&traced.image.radiance, &mut block);
+        let mut sums = self.take_scratch();
+        stage.tiling.keep_own(index, &mut block);
+        let gradient = differentiate(stage, &sweep, &traced, adjoint, &mut sums);
+        self.clock.add_differentiating(start);
+        self.scratch.give_back(sums);
+        self.stores.give_back(traced.store);
+        let mut counts = traced.counts;
+        counts.gradient_not_finite += gradient.not_finite;
+        ((block, gradient), counts)
+    }
 }
 
 /// Hands what a group has collected at the drift's nodes and for bodies to the points that these
