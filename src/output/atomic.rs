@@ -3,7 +3,7 @@
 use super::error::FileError;
 use super::unfinished::Unfinished;
 use crate::files::plain;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -86,6 +86,20 @@ pub fn prepare_file(path: &Path) -> Result<(), FileError> {
     {
         Some(folder) => prepare_directory(folder),
         None => prepare_directory(Path::new(".")),
+    }
+}
+
+/// Makes a folder one writer's for as long as what is returned is kept; `who` the other one is, if
+/// there is one.
+pub fn claim(directory: &Path, who: &str) -> Result<File, FileError> {
+    let file = File::open(directory).map_err(|error| FileError::io(directory, plain(&error)))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(FileError::io(
+            directory,
+            format_args!("another {who} is writing there"),
+        )),
+        // Some network file systems have no locks: then it is up to the user.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::jobs::failure::Failure;
 use crate::jobs::read::without_line;
 use crate::output::{FileError, atomic, plain};
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -32,12 +32,7 @@ impl Journal {
     /// cut off is left out: its direction is measured again.
     pub fn open(folder: &Path, resume: bool) -> Result<Self, Failure> {
         atomic::prepare_directory(folder)?;
-        let unread = |error: &std::io::Error| FileError::io(folder, plain(error));
-        let lock = File::open(folder).map_err(|error| unread(&error))?;
-        if let Err(TryLockError::WouldBlock) = lock.try_lock() {
-            let what = format!("{}: another study is writing there", folder.display());
-            return Err(Failure::System(what));
-        }
+        let lock = atomic::claim(folder, "study")?;
         let path = folder.join(JOURNAL);
         let bytes = match fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),

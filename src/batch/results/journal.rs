@@ -47,7 +47,7 @@ impl Journal {
     /// Looks at the results in `directory`. Without `resume` there must be none yet.
     pub fn look(directory: &Path, resume: bool) -> Result<(Found, Earlier), Failure> {
         atomic::prepare_directory(directory)?;
-        let lock = lock(directory)?;
+        let lock = atomic::claim(directory, "batch")?;
         folder::refuse_links(directory)?;
         let path = directory.join(RESULTS);
         let text = match fs::read(&path) {
@@ -171,20 +171,8 @@ pub fn hold(directory: &Path) -> Result<Option<File>, FileError> {
     let file = File::open(directory).map_err(|error| FileError::unread(directory, &error))?;
     match file.try_lock_shared() {
         Err(fs::TryLockError::WouldBlock) => Ok(None),
-        // As in `lock`.
+        // As in `atomic::claim`.
         Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(Some(file)),
-    }
-}
-
-fn lock(directory: &Path) -> Result<File, Failure> {
-    let file = File::open(directory).map_err(|error| FileError::io(directory, plain(&error)))?;
-    match file.try_lock() {
-        Err(fs::TryLockError::WouldBlock) => Err(Failure::System(format!(
-            "{}: another batch is writing there",
-            directory.display()
-        ))),
-        // Some network file systems have no locks: then it is up to the user.
-        Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(file),
     }
 }
 

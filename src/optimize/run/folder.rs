@@ -4,10 +4,10 @@ use super::checkpoint;
 use crate::jobs::failure::Failure;
 use crate::jobs::id::REPORT;
 use crate::optimize::results::{curve, page};
-use crate::output::{FileError, atomic, plain};
+use crate::output::atomic;
 use serde_json::Value;
 use std::ffi::OsString;
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::{Component, Path};
 
 /// A folder with the state of another run is not written over.
@@ -30,15 +30,7 @@ pub fn has_state(directory: &Path) -> bool {
 /// would write over each other's files.
 pub fn claim(directory: &Path) -> Result<File, Failure> {
     atomic::prepare_directory(directory)?;
-    let file = File::open(directory).map_err(|error| FileError::io(directory, plain(&error)))?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(Failure::System(format!(
-            "{}: another run is writing there",
-            directory.display()
-        ))),
-        // Some network file systems have no locks: then it is up to the user.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
-    }
+    Ok(atomic::claim(directory, "run")?)
 }
 
 /// Takes away what does not belong to the run that now begins or goes on: what processes that were
