@@ -4,6 +4,7 @@ pub mod cells;
 pub mod edges;
 pub mod inclusion;
 pub mod inclusion_by_walks;
+pub mod light_samples;
 pub mod mixture;
 pub mod occlusion;
 pub mod probe;

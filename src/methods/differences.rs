@@ -144,12 +144,34 @@ impl Steps {
         })
     }
 
-    fn at_rest(step: f64) -> Self {
+    /// Of samples at rest.
+    pub fn at_rest(step: f64) -> Self {
         Self {
             step,
             scheme: RICHARDSON,
             carried: None,
         }
+    }
+
+    /// What carries the samples, if anything does.
+    pub fn carried(&self) -> Option<&DriftVelocity> {
+        self.carried.as_ref()
+    }
+
+    /// The mean square of what a path's difference changes by where its radiance jumps by `jump`,
+    /// and which brings `brings` to the derivative.
+    pub fn mean_square_of_jump(&self, brings: f64, jump: f64) -> f64 {
+        // Between two displaced scenes, with the weights of those to one side of it.
+        let mut square = 0.0;
+        let mut weight = 0.0;
+        for pair in self.scheme.windows(2) {
+            let [(from, w), (to, _)] = [pair[0], pair[1]];
+            weight += w;
+            square += (to - from) * weight * weight;
+        }
+        // No more than all paths can change.
+        let most = jump / (2.0 * self.step);
+        brings.min(most) * jump * square / self.step
     }
 
     fn in_words(&self) -> String {

@@ -1,8 +1,9 @@
 //! From what is asked for to the method that computes it.
 
-use super::differences;
+use super::differences::{self, Steps};
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
+use super::forward::forward_and_foretell;
 use super::number_by_number;
 use super::objective::{self, Evaluation, Objective};
 use super::pilot::Question;
@@ -63,6 +64,29 @@ pub fn difference(
 ) -> Result<ForwardGradient, EngineError> {
     let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
     differences::forward_by_step(&prepared, settings, direction, step, progress)
+}
+
+/// The variance that those have of what jumps, over all numbers of the gradient image, foretold
+/// from borders that a look at the scene finds.
+pub fn foretell_difference(
+    scene: &Scene,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    step: f64,
+    progress: &dyn Progress,
+) -> Result<f64, EngineError> {
+    let prepared = Prepared::new(scene, settings, &|| progress.cancelled())?;
+    let tangent = parameters::tangent(scene, direction, settings.sensor)?;
+    let (boundary, steps) = (settings.method.boundary(), Steps::at_rest(step));
+    let done = forward_and_foretell(
+        &prepared,
+        settings,
+        &tangent,
+        boundary,
+        Some(&steps),
+        progress,
+    )?;
+    Ok(done.1)
 }
 
 /// Reverse mode: the derivative of an objective with respect to all the parameters, in one pass or

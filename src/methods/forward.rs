@@ -1,9 +1,12 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
 use super::clock::StageClock;
+use super::differences::Steps;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
+use super::foretold;
 use super::group_images::GroupImages;
+use super::moved_packet::Moved;
 use super::moving_samples;
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -16,7 +19,7 @@ use super::statistics::Statistics;
 use super::tails::share_of_worst_pixels;
 use crate::gradient::path::forward::ForwardSweep;
 use crate::gradient::scene::forward::Motion;
-use crate::lanes::{Dual, LANES, Lane};
+use crate::lanes::{LANES, Lane};
 use crate::paths::boundary_sample::Coordinate;
 use crate::paths::film::drift::DriftVelocity;
 use crate::paths::film::filter::Block;
@@ -36,6 +39,19 @@ pub fn forward(
     boundary: Option<MakeBoundary>,
     progress: &dyn Progress,
 ) -> Result<ForwardGradient, EngineError> {
+    let done = forward_and_foretell(prepared, settings, tangent, boundary, None, progress)?;
+    Ok(done.0)
+}
+
+/// The same, and the variance that differences would have from what jumps, if that is asked for.
+pub fn forward_and_foretell(
+    prepared: &Prepared,
+    settings: &Settings,
+    tangent: &SceneDifferential,
+    boundary: Option<MakeBoundary>,
+    differences: Option<&Steps>,
+    progress: &dyn Progress,
+) -> Result<(ForwardGradient, f64), EngineError> {
     let mut statistics = Statistics::default();
     let scene = prepared.scene;
     let sensor = &scene.sensors[settings.sensor];
@@ -67,6 +83,7 @@ pub fn forward(
     let stores = Spare::new();
     let mut images = stage.group_images()?;
     let mut gradients = stage.group_images()?;
+    let mut foretold = 0.0;
     stage.for_each_tile(
         progress,
         &mut statistics,
@@ -86,21 +103,26 @@ pub fn forward(
             traced.splat(&traced.image.radiance, &mut image);
             let film = (velocity.as_ref(), filter_follows);
             let mut gradient = differentiate(&stage, &sweep, film, &mut traced);
+            let foretell = |s| foretold::variance_of_tile(s, &stage, &sweep, &traced);
+            let told = differences.map_or(0.0, foretell);
             for block in [&mut image, &mut gradient] {
                 stage.tiling.keep_own(index, block);
             }
             clock.add_differentiating(start);
             stores.give_back(traced.store);
-            ((image, gradient), traced.counts)
+            ((image, gradient, told), traced.counts)
         },
-        |group, (image, gradient)| {
+        |group, (image, gradient, told)| {
+            foretold += told;
             images.add(group, &image);
             gradients.add(group, &gradient);
         },
     )?;
     clock.stop(&mut statistics);
 
-    finish(&stage, images, gradients, statistics)
+    let groups = f64::from(stage.groups);
+    let done = finish(&stage, images, gradients, statistics)?;
+    Ok((done, foretold / (groups * groups)))
 }
 
 /// The means of the groups, and how far these are apart.
@@ -224,38 +246,4 @@ fn add_facets(
         }
     }
     traced.counts.gradient_not_finite += not_finite;
-}
-
-/// The film points of a packet, as they drift.
-struct Moved {
-    at: [Lane; 2],
-    velocity: [[f32; LANES]; 2],
-    divergence: [f32; LANES],
-}
-
-impl Moved {
-    fn new(at: [Lane; 2], active: u32, drift: Option<&DriftVelocity>) -> Self {
-        let mut moved = Self {
-            at,
-            velocity: [[0.0; LANES]; 2],
-            divergence: [0.0; LANES],
-        };
-        let Some(drift) = drift else { return moved };
-        let [u, v] = moved.at.map(Lane::to_array);
-        for lane in (0..LANES).filter(|&l| active >> l & 1 == 1) {
-            let (velocity, divergence) = drift.at([u[lane].into(), v[lane].into()]);
-            moved.divergence[lane] = divergence as f32;
-            for (lanes, v) in moved.velocity.iter_mut().zip(velocity) {
-                lanes[lane] = v as f32;
-            }
-        }
-        moved
-    }
-
-    fn film_point(&self) -> [Dual<Lane>; 2] {
-        [0, 1].map(|i| Dual {
-            value: self.at[i],
-            tangent: Lane::new(self.velocity[i]),
-        })
-    }
 }

@@ -12,7 +12,7 @@ use super::stage::Stage;
 use super::statistics::Statistics;
 
 /// The pilot's own random numbers.
-const SEED: u64 = 0x7069_6c6f_7400_0001;
+pub const SEED: u64 = 0x7069_6c6f_7400_0001;
 /// The least groups of a whole look, and the samples a pixel of each, as far as the job's groups
 /// have as many.
 const GROUPS: u32 = 4;

@@ -110,6 +110,9 @@ impl Prepared<'_> {
         let settings = settings.through_lens(sensor, true);
         let job = Job::new(self, &settings, times, differences)?;
         let mut trials = Trials::new(self, settings.clone(), (direction, job), progress);
+        if differences.is_some() {
+            trials.foretell_differences()?;
+        }
         match trials.run_usual() {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {
                 let tangent = parameters::tangent(self.scene, direction, settings.sensor)?;

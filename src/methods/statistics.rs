@@ -59,7 +59,8 @@ pub struct Trial {
     pub way: String,
     /// Paths that it was looked at with, about.
     pub paths: f64,
-    /// Of the job's gradient image, summed over its numbers, as far as those paths tell.
+    /// Of the job's gradient image, summed over its numbers, as far as those paths tell; of
+    /// differences at least what borders that the usual way has found foretell.
     pub variance: f64,
     /// About the job's time, in microseconds of one processor, by its rays.
     pub work: f64,

@@ -2,10 +2,10 @@
 
 use super::contender::Contender;
 use super::decisions::Answer;
-use super::differences::{self, CARRIED_IMAGES, IMAGES, carried_step};
+use super::differences::{self, CARRIED_IMAGES, IMAGES, Steps, carried_step};
 use super::error::EngineError;
 use super::estimators::Method;
-use super::looks::{Job, Look};
+use super::looks::{self, Job, Look};
 use super::noise_map::{NoiseMap, Plan, Survey};
 use super::prepared::Prepared;
 use super::progress::Progress;
@@ -53,6 +53,8 @@ pub struct Trials<'a> {
     direction: Direction<'a>,
     job: Job,
     progress: &'a dyn Progress,
+    /// What differences would step by.
+    steps: Option<Steps>,
     done: AllTried,
 }
 
@@ -69,20 +71,37 @@ impl<'a> Trials<'a> {
             direction,
             job,
             progress,
+            steps: None,
             done: AllTried::new(job.whole_look()),
         }
+    }
+
+    /// Has looks at the usual way foretell the noise of differences.
+    pub fn foretell_differences(&mut self) -> Result<(), EngineError> {
+        let settings = Settings {
+            method: Method::CarriedFd,
+            seed: looks::SEED,
+            ..self.settings.clone()
+        };
+        self.steps = Some(Steps::usual(self.prepared, &settings, self.direction)?);
+        Ok(())
     }
 
     /// Looks at a mixture with so many paths; a longer look replaces one before.
     fn run(&mut self, mixture: Mixture, paths: f64) -> Result<(), EngineError> {
         let mut look = Look::new(self.prepared, &self.settings, self.job, paths)?;
         look.settings.constants.mixture = Some(mixture);
-        let found = self.prepared.forward_by(
+        let (found, foretold) = super::forward::forward_and_foretell(
+            self.prepared,
             &look.settings,
-            self.direction,
+            &self.tangent()?,
             Method::Auto.boundary(),
+            self.steps.as_ref().filter(|_| mixture == USUAL),
             &Quietly(self.progress),
         )?;
+        if mixture == USUAL {
+            self.done.foretold_of_differences = self.of_job(foretold, &look);
+        }
         let way = Contender::Mixture(mixture);
         let work = self.work(way, &found, &look);
         let variance = self.variance(&found, &look);
@@ -116,8 +135,13 @@ impl<'a> Trials<'a> {
 
     /// Of the job's gradient image.
     fn variance(&self, found: &ForwardGradient, look: &Look) -> f64 {
+        self.of_job(variance(found), look)
+    }
+
+    /// The variance of the job's gradient image from that of a look.
+    fn of_job(&self, variance: f64, look: &Look) -> f64 {
         let samples = f64::from(look.settings.spp) / f64::from(self.job.spp);
-        variance(found) * samples / look.film
+        variance * samples / look.film
     }
 
     /// Of the job.

@@ -26,15 +26,12 @@ pub struct Tried {
     pub noise: NoiseMap,
 }
 
-impl Tried {
-    fn cost(&self) -> f64 {
-        self.variance * self.work
-    }
-}
-
 /// All that has been tried, the usual first, each way once.
 pub struct AllTried {
     tried: Vec<Tried>,
+    /// The variance that differences have at least, by what the usual way has found
+    /// (`methods::foretold`).
+    pub foretold_of_differences: f64,
     /// Paths of a look that is taken to see enough.
     whole_look: f64,
 }
@@ -44,6 +41,7 @@ impl AllTried {
     pub fn new(whole_look: f64) -> Self {
         Self {
             tried: Vec::new(),
+            foretold_of_differences: 0.0,
             whole_look,
         }
     }
@@ -66,17 +64,29 @@ impl AllTried {
         self.tried.iter().find(|tried| tried.way == way)
     }
 
+    /// That of differences is at least what is foretold of it.
+    fn variance(&self, tried: &Tried) -> f64 {
+        match tried.way.is_difference() {
+            true => tried.variance.max(self.foretold_of_differences),
+            false => tried.variance,
+        }
+    }
+
+    fn cost(&self, tried: &Tried) -> f64 {
+        self.variance(tried) * tried.work
+    }
+
     /// Whether differences promise more than so many times the efficiency of what is usual.
     pub fn differences_promise(&self, times: f64) -> bool {
         let differences = self.least(true);
-        differences.is_some_and(|it| it.cost() * times < self.usual().cost())
+        differences.is_some_and(|it| self.cost(it) * times < self.cost(self.usual()))
     }
 
     /// What has the least noise for its work.
     pub fn best(&self) -> Contender {
         let ours = self.best_mixture();
         match self.least(true) {
-            Some(it) if it.cost() * WORTHWHILE_DIFFERENCES < ours.cost() => it.way,
+            Some(it) if self.cost(it) * WORTHWHILE_DIFFERENCES < self.cost(ours) => it.way,
             _ => ours.way,
         }
     }
@@ -89,7 +99,7 @@ impl AllTried {
             false => WORTHWHILE,
         };
         match self.least(false) {
-            Some(best) if best.cost() * worthwhile < usual.cost() => best,
+            Some(best) if self.cost(best) * worthwhile < self.cost(usual) => best,
             _ => usual,
         }
     }
@@ -98,18 +108,18 @@ impl AllTried {
     fn least(&self, is_difference: bool) -> Option<&Tried> {
         let tried = self.tried.iter();
         let of_kind = tried.filter(|t| t.way.is_difference() == is_difference);
-        of_kind.min_by(|a, b| a.cost().total_cmp(&b.cost()))
+        of_kind.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b)))
     }
 
     /// What a pilot tells of it.
     pub fn pilot(&self) -> Pilot {
-        let usual = self.usual().cost();
+        let usual = self.cost(self.usual());
         let trials = self.tried.iter().map(|tried| Trial {
             way: tried.way.name(),
             paths: tried.paths,
-            variance: tried.variance,
+            variance: self.variance(tried),
             work: tried.work,
-            efficiency: Some(usual / tried.cost()).filter(|by| by.is_finite()),
+            efficiency: Some(usual / self.cost(tried)).filter(|by| by.is_finite()),
         });
         Pilot {
             trials: trials.collect(),

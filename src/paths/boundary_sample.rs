@@ -21,6 +21,9 @@ pub struct BoundarySample {
     pub chain: [u32; 2],
     /// Radiance per unit of Ḟ, all at θ₀; on the film in radiance times pixels.
     pub weight: Rgb,
+    /// About what the radiance of a path jumps by from one side to the other, as the length of
+    /// its channels.
+    pub jump: f32,
 }
 
 /// A boundary that is seen toward a delta light, from where the ray at the coordinate meets a

@@ -23,6 +23,7 @@ mod finite_differences_keys;
 mod finite_differences_layers;
 mod finite_differences_materials;
 mod finite_differences_pictures;
+mod foretold;
 mod hidden_edges;
 mod last_vertex;
 mod later_vertices;

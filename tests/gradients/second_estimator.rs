@@ -74,6 +74,7 @@ fn sample(film: &FilmTile, edge: [u32; 2], along: f32) -> Option<BoundarySample>
         },
         chain: NO_CHAIN,
         weight: [((after - before) / slope.length() * length) as f32; 3],
+        jump: 3f32.sqrt() * (after - before).abs() as f32,
     })
 }
 

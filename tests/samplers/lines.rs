@@ -229,7 +229,8 @@ fn lines_of_narrow_lobes_carry_what_bounces_do() {
                     let t = from + (to - from) * middle(i, STEPS);
                     let psi = 0.1 * t.sinh();
                     let step = 0.1 * t.cosh() * (to - from) / STEPS as f64;
-                    if let Some((_, value)) = at.value(line.direction(psi)) {
+                    if let Some((_, weight, density)) = at.value(line.direction(psi)) {
+                        let value = weight * density;
                         sum += value.x * psi.cos() * step * inverse_density * share;
                     }
                 }

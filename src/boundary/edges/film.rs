@@ -137,6 +137,7 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                             piece: Piece::POINT,
                         },
                         weight: brings.as_vec3().to_array(),
+                        jump: (after - before).length() as f32,
                         shadow: None,
                     });
                 }

@@ -5,6 +5,7 @@ use super::directions::{Directions, Part};
 use super::point::EdgePoint;
 use super::sources::Edges;
 use super::surface::{EdgePoints, beside};
+use crate::boundary::light_samples;
 use crate::discontinuity::boundary::vector;
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::LANES;
@@ -219,7 +220,15 @@ fn push(
     let colour = (lane_of(vertices.throughput, lane) * lane_of(value, lane)).as_dvec3() * radiance;
     // Open beyond the edge and hidden before it, or the other way round.
     let jump = point.open_side.unwrap_or(0.0);
-    let brings = colour * (jump * point.per_side * cos * FRAC_1_PI);
+    let colour = colour * (cos * FRAC_1_PI);
+    let brings = colour * (jump * point.per_side);
+    let of_path = match (place, view.map_distribution) {
+        (Coordinate::Light { patch, at: place }, _) => {
+            light_samples::of_patch(at, lane, patch, place)
+        }
+        (_, Some(map)) => colour / f64::from(map.pdf(d.as_vec3())),
+        (_, None) => DVec3::ZERO,
+    };
     if !brings.is_finite() {
         out.counts.boundary_not_finite += 1;
     } else if brings != DVec3::ZERO {
@@ -229,6 +238,7 @@ fn push(
             lane: lane as u8,
             at: place,
             weight: brings.as_vec3().to_array(),
+            jump: of_path.length() as f32,
             shadow: None,
         });
     }

@@ -163,14 +163,15 @@ fn push(
     }
     let jump = (lane_of(*after, lane) - lane_of(*before, lane)).as_dvec3();
     let mut surface = LaneSurface::new(at, lane, lobe);
-    let Some((local, value)) = surface.value(point.direction) else {
+    let Some((local, value, density)) = surface.value(point.direction) else {
         return;
     };
     let vertices = at.vertices;
     let chance = f64::from(vertices.lobe_chance.to_array()[lane]);
     let survival = f64::from(vertices.line_survival.to_array()[lane]);
     let throughput = lane_of(vertices.throughput, lane).as_dvec3();
-    let brings = throughput * value * jump * (point.per_side * survival / chance);
+    let jump = throughput * value * jump / chance;
+    let brings = jump * (density * point.per_side * survival);
     if !brings.is_finite() {
         out.counts.boundary_not_finite += 1;
     } else if brings != glam::DVec3::ZERO {
@@ -180,6 +181,7 @@ fn push(
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: brings.as_vec3().to_array(),
+            jump: jump.length() as f32,
             shadow: None,
         });
     }

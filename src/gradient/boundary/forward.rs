@@ -8,11 +8,12 @@ use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::silhouette::edge_side;
 use crate::kernels::triangle::triangle_point;
-use crate::lanes::{Dual, Real, V3};
+use crate::lanes::{Dual, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
 use crate::paths::chain::{ChainScene, through};
 use crate::paths::film::drift::Followed;
 use crate::paths::rays::splat;
+use crate::paths::store::TileStore;
 use crate::paths::surface::relief::Turned;
 use crate::scene::{DeltaLightKind, Relief, Rgb};
 use glam::Vec3;
@@ -69,6 +70,18 @@ impl ForwardSweep<'_> {
             Coordinate::Film { .. } => return [0.0; 3],
         };
         self.weighed(found, sample, (x, direction))
+    }
+
+    /// Tells what each boundary sample along the paths of packet `packet` brings, whose camera rays
+    /// go through film points which may move.
+    pub fn borders(
+        &self,
+        store: &TileStore,
+        packet: usize,
+        at: [Dual<Lane>; 2],
+        mut each: impl FnMut(&BoundarySample, Rgb),
+    ) {
+        self.path_derivative(store, packet, at, &[], &mut each);
     }
 
     /// What a boundary sample of the film adds where it is, in radiance times pixels, if the film

@@ -12,6 +12,7 @@ use crate::kernels::normal::{face_normal, shading_normal};
 use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
+use crate::paths::boundary_sample::BoundarySample;
 use crate::paths::drift_body::{Body, BodyMotion};
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
@@ -94,16 +95,18 @@ impl<'a> ForwardSweep<'a> {
     /// d radiance/dθ of the paths of packet `packet`, whose camera rays go through the film points
     /// (`u`, `v`), which may move.
     pub fn radiance_derivative(&self, store: &TileStore, packet: usize, at: [D; 2]) -> V3<Lane> {
-        self.path_derivative(store, packet, at, &[])
+        self.path_derivative(store, packet, at, &[], &mut |_, _| ())
     }
 
-    /// The same if samples move, whose scores multiply `scored` ([`SceneView::scored`]).
+    /// The same if samples move, whose scores multiply `scored` ([`SceneView::scored`]); tells what
+    /// each boundary sample brings.
     pub(crate) fn path_derivative(
         &self,
         store: &TileStore,
         packet: usize,
         [u, v]: [D; 2],
         scored: &[Scored],
+        each: &mut impl FnMut(&BoundarySample, Rgb),
     ) -> V3<Lane> {
         let camera = &self.camera_lanes;
         let (px, py) = self.view.camera.film_to_camera(u, v);
@@ -122,7 +125,8 @@ impl<'a> ForwardSweep<'a> {
         let mut sum = V3::splat(0.0);
         let mut previous: Option<MovingVertex> = None;
         for (k, vertices) in path.iter().enumerate() {
-            let (contribution, here) = self.vertex(store, vertices, &mut chain, previous.as_ref());
+            let (contribution, here) =
+                self.vertex(store, vertices, &mut chain, previous.as_ref(), each);
             sum = sum + contribution;
             if let (Some(here), Some([own, next])) = (&here, scored.get(k..k + 2)) {
                 sum = sum + self.moving_environment_sample(store, here, own.environment);
@@ -140,6 +144,7 @@ impl<'a> ForwardSweep<'a> {
         vertices: &'v Vertices,
         chain: &mut Arriving,
         previous: Option<&MovingVertex>,
+        each: &mut impl FnMut(&BoundarySample, Rgb),
     ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
         chain.follow(vertices);
         let mut sum = V3::splat(0.0);
@@ -167,7 +172,9 @@ impl<'a> ForwardSweep<'a> {
         }
         sum = sum + self.delta_lights(store, &here);
         for sample in store.boundary(vertices) {
-            sum = add_lane(sum, sample.lane, self.boundary(&store.found, sample, &here));
+            let brings = self.boundary(&store.found, sample, &here);
+            each(sample, brings);
+            sum = add_lane(sum, sample.lane, brings);
         }
         let (direction, weight) = self.bounce(&here);
         chain.origin = here.x;

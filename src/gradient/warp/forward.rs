@@ -47,7 +47,7 @@ impl ForwardSweep<'_> {
             value: film_path.at[i],
             tangent: velocity[i],
         });
-        let along = self.path_derivative(store, path, at, &scored);
+        let along = self.path_derivative(store, path, at, &scored, &mut |_, _| ());
         MovingFilm {
             velocity,
             derivative: along + scored[0].radiance * score,

@@ -131,6 +131,11 @@ impl FilmFilter {
 }
 
 impl Taps {
+    /// Over all pixels.
+    pub fn sum_of_squares(&self) -> f64 {
+        self.iter().map(|(_, w)| f64::from(w).powi(2)).sum()
+    }
+
     fn iter(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
         (0..self.count).map(|k| (self.first + k, self.weight[k]))
     }

@@ -174,5 +174,6 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
         },
         chain,
         weight: weight.as_vec3().to_array(),
+        jump: (jump.length() / border.times()) as f32,
     });
 }

@@ -107,14 +107,15 @@ pub fn find(
             let jumps = jumps(scene, &all, depth, numbers, &mut search.out.counts);
             for (border, jump) in group.iter().zip(jumps) {
                 let direction = line.direction(border.s);
-                let jump = jump * probes.weight;
                 if jump != DVec3::ZERO {
-                    let border = Border {
+                    let kept = Border {
                         boundary: border.boundary,
                         shadow: border.shadow,
                         chain: &border.chain,
                     };
-                    search.push(at, line, border, direction, jump);
+                    let times = border.times();
+                    let jump = (jump / times, times * probes.weight);
+                    search.push(at, line, kept, direction, jump);
                 }
             }
         }

@@ -40,6 +40,11 @@ impl Found {
     pub fn kind(&self) -> (usize, bool) {
         (self.bends, self.shadow.is_some())
     }
+
+    /// How often it counts, about: surfaces seldom reflect more than all.
+    pub fn times(&self) -> f64 {
+        self.weight.max_element().max(1.0)
+    }
 }
 
 /// A search on a line.

@@ -175,8 +175,8 @@ impl<'a> MapLines<'a> {
         let colour =
             lane_of(vertices.throughput, lane) * lane_of(value, lane) * lane_of(radiance, lane);
         // One of two families is drawn.
-        let scale = 2.0 * jump * per_side * cos * FRAC_1_PI;
-        let brings = colour.as_dvec3() * scale;
+        let colour = colour.as_dvec3() * (cos * FRAC_1_PI);
+        let brings = colour * (2.0 * jump * per_side);
         if !brings.is_finite() {
             out.counts.boundary_not_finite += 1;
             return;
@@ -188,6 +188,7 @@ impl<'a> MapLines<'a> {
             at: Coordinate::Environment(d.to_array()),
             chain: NO_CHAIN,
             weight: brings.as_vec3().to_array(),
+            jump: colour.length() as f32 / self.distribution.pdf(d.as_vec3()),
         });
     }
 }

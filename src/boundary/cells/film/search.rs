@@ -208,6 +208,7 @@ fn add<'a>(
             at: Coordinate::Film { at, piece },
             chain: NO_CHAIN,
             weight: weight.as_vec3().to_array(),
+            jump: (met.jump.length() / met.at.crossing.count) as f32,
         });
     };
     let crossing = (crossing, &boundary);

@@ -121,5 +121,6 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
             piece: Piece::POINT,
         },
         weight: weight.as_vec3().to_array(),
+        jump: (jump.length() / border.jump.abs()) as f32,
     })
 }

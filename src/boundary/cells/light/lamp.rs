@@ -12,6 +12,7 @@
 use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points};
 use crate::boundary::cells::lobe::families::Family;
 use crate::boundary::cells::lobe::line::above_horizon;
+use crate::boundary::light_samples;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint, is_occluder};
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows};
@@ -250,6 +251,7 @@ impl<'a> LampLine<'a> {
             at: Coordinate::Light { patch, at: place },
             chain: NO_CHAIN,
             weight: brings.as_vec3().to_array(),
+            jump: light_samples::of_patch(self.at, lane, patch, place).length() as f32,
         })
     }
 }

@@ -14,11 +14,11 @@
 //! and is weighed for that (`crate::boundary::shadows`).
 
 use super::line::{PAIRS, POINTS, chance_of_point, points};
+use crate::boundary::light_samples;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows};
-use crate::discontinuity::boundary::{Boundary, vector, velocity_per_side};
-use crate::kernels::light::triangle_irradiance;
+use crate::discontinuity::boundary::{Boundary, velocity_per_side};
 use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
@@ -26,9 +26,7 @@ use crate::paths::estimator::LightDraw;
 use crate::paths::leaving::SHADOW_FAR;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
-use crate::paths::rays::{from_lanes, lane_of};
-use crate::paths::surface::kinds::LightKind;
-use crate::scene::Rgb;
+use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
 
 /// The ends of a line lie this far inside the light, where no ray grazes its border.
@@ -233,6 +231,8 @@ impl LightLine<'_> {
         } else {
             [fixed, along]
         };
+        let brings = light_samples::of_patch(self.at, self.lane, self.patch, at);
+        let times = jump * self.velocity_per_side(boundary).unwrap_or(0.0);
         BoundarySample {
             boundary,
             shadow: None,
@@ -242,47 +242,23 @@ impl LightLine<'_> {
                 at,
             },
             chain: NO_CHAIN,
-            weight: self.radiance_per_side(boundary, at, jump),
+            weight: (brings * times).as_vec3().to_array(),
+            jump: brings.length() as f32,
         }
     }
 
-    /// Radiance of the path per unit of Ḟ, all at θ₀: throughput · πf · Le · irradiance · jump ·
-    /// V/Ḟ over the probability of the patch.
-    fn radiance_per_side(&self, boundary: Boundary, at: [f64; 2], jump: f64) -> Rgb {
-        let At {
-            view,
-            vertices,
-            surface,
-            ..
-        } = *self.at;
-        let (geometry, lane, patch) = (view.geometry, self.lane, self.patch());
-        let x = vertices.position(geometry, lane);
-        let c = boundary.normal(geometry, x);
-        let edges = patch.edges.map(|e| e.as_dvec3());
+    /// V/Ḟ of a border, along the line.
+    fn velocity_per_side(&self, boundary: Boundary) -> Option<f64> {
+        let At { view, vertices, .. } = *self.at;
+        let x = vertices.position(view.geometry, self.lane);
+        let c = boundary.normal(view.geometry, x);
+        let edges = self.patch().edges.map(|e| e.as_dvec3());
         let gradient = edges.map(|e| c.dot(e));
         let metric = [
             edges[0].dot(edges[0]),
             edges[0].dot(edges[1]),
             edges[1].dot(edges[1]),
         ];
-        let Some(velocity) = velocity_per_side(gradient, metric, self.axis) else {
-            return [0.0; 3];
-        };
-        let (s, r) = (at[0] as f32, at[1] as f32);
-        let (ids, [b1, b2]) = patch.vertices_at(s, r);
-        let [q0, q1, q2] = ids.map(|v| vector(geometry.positions[v as usize].as_dvec3()));
-        let n = vector(lane_of(surface.n, lane).as_dvec3());
-        let irradiance = triangle_irradiance(vector(x), n, [q0, q1, q2], b1 as f64, b2 as f64);
-        let scale = irradiance * jump * velocity / patch.probability as f64;
-        let radiance = Vec3::from(view.patch_radiance(self.patch, s, r));
-        let value = if surface.interface.is_some() {
-            let w = from_lanes(&[patch.point(s, r) - lane_of(surface.x, lane); LANES]);
-            let all = view.bsdf_evaluate(vertices, surface, w, LightKind::Sampled);
-            lane_of(all, lane)
-        } else {
-            lane_of(vertices.diffuse_reflectance, lane)
-        };
-        let colour = lane_of(vertices.throughput, lane) * value * radiance;
-        (colour.as_dvec3() * scale).as_vec3().to_array()
+        velocity_per_side(gradient, metric, self.axis)
     }
 }

@@ -153,7 +153,7 @@ impl<'a> LaneSurface<'a> {
 
     /// The coordinate of the unit direction `d`, in the frame of the shading normal, and BSDF times
     /// cosine there.
-    pub fn value(&mut self, d: DVec3) -> Option<(DVec3, DVec3)> {
+    pub fn value(&mut self, d: DVec3) -> Option<(DVec3, DVec3, f64)> {
         let wi = -self.direction.normalize();
         let (coordinate, density) = match self.lobe {
             Lobe::Diffuse => (d, self.n.dot(d) * FRAC_1_PI),
@@ -183,7 +183,7 @@ impl<'a> LaneSurface<'a> {
             return None;
         }
         let (_, weight) = self.bounce(local);
-        Some((local, weight * density))
+        Some((local, weight, density))
     }
 
     /// Index beyond the interface over that on this side.

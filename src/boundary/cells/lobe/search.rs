@@ -108,9 +108,9 @@ fn silhouettes(
         } else {
             intervals.inclusion_of_ridge(psi)
         };
-        let jump = met.jump * (FAMILIES * way.weight / chance);
+        let times = FAMILIES * way.weight / chance;
         let border = Border::seen(met.at.crossing.boundary);
-        search.push(at, line, border, line.direction(psi), jump);
+        search.push(at, line, border, line.direction(psi), (met.jump, times));
     }
 }
 
@@ -146,10 +146,11 @@ pub fn on_own_plane(
     counts.probe += 2;
     let radiance = look(scene, here, &point, way, &beside, counts);
     let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
-    let jump = (before_it - beyond_it) * (FAMILIES * way.weight);
+    let jump = before_it - beyond_it;
     if jump != DVec3::ZERO {
         let border = Border::seen(Boundary::Edge(point.plane_edge(scene.view)));
-        search.push(at, before, border, before.direction(psi), jump);
+        let times = FAMILIES * way.weight;
+        search.push(at, before, border, before.direction(psi), (jump, times));
     }
 }
 

@@ -46,14 +46,14 @@ pub fn find(
     for group in all.chunks(LANES) {
         let brought = on_line.brought(group, &mut search.out.counts);
         for (met, brought) in group.iter().zip(brought) {
-            let jump = brought * (met.jump * FAMILIES * weight);
-            if jump != DVec3::ZERO {
+            if brought != DVec3::ZERO {
                 let border = Border {
                     chain: &[],
                     boundary: met.boundary,
                     shadow: Some(met.shadow),
                 };
-                search.push(at, line, border, met.direction, jump);
+                let times = met.jump * FAMILIES * weight;
+                search.push(at, line, border, met.direction, (brought, times));
             }
         }
     }

@@ -83,7 +83,8 @@ impl LobeSearch<'_> {
         (vertices.moves | vertices.drifts) >> lane & 1 == 1
     }
 
-    /// Keeps what jumps by `jump` in a direction on a line, seen through a chain if there is one.
+    /// Keeps what jumps by `jump` in a direction on a line, seen through a chain if there is one,
+    /// so many times.
     pub fn push(
         &mut self,
         at: &mut LaneSurface,
@@ -94,7 +95,7 @@ impl LobeSearch<'_> {
             chain,
         }: Border,
         direction: DVec3,
-        jump: DVec3,
+        (jump, times): (DVec3, f64),
     ) {
         let (lane, vertices) = (at.lane(), self.at.vertices);
         let geometry = self.scene.view.geometry;
@@ -107,17 +108,18 @@ impl LobeSearch<'_> {
             boundary
         };
         let c = normal_through(self.scene.view, chain, (&boundary, shadow), x, direction);
-        let (Some((local, value)), Some(weight)) = (
+        let (Some((local, value, density)), Some(weight)) = (
             at.value(direction),
             line.family.weight(&boundary, c, direction),
         ) else {
             return;
         };
-        let weight = weight * line.inverse_density;
+        let weight = weight * line.inverse_density * density * times;
         let chance = vertices.lobe_chance.to_array()[lane] as f64;
         let survival = vertices.line_survival.to_array()[lane] as f64;
         let throughput = lane_of(vertices.throughput, lane).as_dvec3();
-        let radiance = throughput * value * jump * (weight * survival / chance);
+        let jump = throughput * value * jump / chance;
+        let radiance = jump * (weight * survival);
         if !radiance.is_finite() {
             self.out.counts.boundary_not_finite += 1;
             return;
@@ -130,6 +132,7 @@ impl LobeSearch<'_> {
             at: Coordinate::Lobe(local.to_array()),
             chain,
             weight: radiance.as_vec3().to_array(),
+            jump: jump.length() as f32,
         });
     }
 }
