@@ -3,14 +3,20 @@
 //! lanes of a packet have lines.
 
 use crate::boundary::cells::bright::{Bright, Over};
-use crate::boundary::cells::lobe::line::{LaneSurface, Line, Lobe};
+use crate::boundary::cells::lobe::line::{INNER_POINTS, LaneSurface, Line, Lobe, RIM};
 use crate::boundary::cells::lobe::vertex::{Border, FAMILIES, LobeSearch};
 use crate::boundary::occlusion::SurfacePoint;
 use crate::boundary::shadows::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::Boundary;
-use crate::lanes::LANES;
-use crate::paths::rays::{from_lanes, lane_of};
+use crate::kernels::frame::direction_from_local;
+use crate::lanes::{LANES, Lane, V3};
+use crate::paths::moving::Sector;
+use crate::paths::rays::lane_of;
 use glam::{DVec3, Vec3};
+use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
+
+/// Of a line besides its bounce.
+const POINTS: usize = INNER_POINTS + 2;
 
 /// Finds what hides a constant environment from diffuse lanes at their last bounce; those in `free`
 /// see it.
@@ -23,50 +29,88 @@ pub fn find(search: &mut LobeSearch, free: u32) {
     let active = search.bounce.rays.active & search.lanes;
     let bright = Bright::new(search.at, Over::EvenEnvironment, active);
     let first = search.out.samples.len();
-    let lines: [Option<Line>; LANES] = std::array::from_fn(|lane| {
-        if bright.lanes >> lane & 1 == 0 {
-            return None;
-        }
+    let rows = Rows::new(search);
+    let lanes = (0..LANES)
+        .filter(|&lane| bright.lanes >> lane & 1 == 1 && rows.moves(search, lane))
+        .fold(0, |bits, lane| bits | 1 << lane);
+    let open = rows.open(search, lanes);
+    // Most see nothing else.
+    let is_hidden = lanes & !open.iter().fold(free, |all, open| all & open);
+    for lane in (0..LANES).filter(|&lane| is_hidden >> lane & 1 == 1) {
         let at = LaneSurface::new(search.at, lane, Lobe::Diffuse);
         let bounce = lane_of(search.bounce.rays.direction, lane)
             .as_dvec3()
             .normalize();
         let jitter = search.jitter[lane] as f64;
         let line = Line::diffuse(&at, bounce, search.axis, jitter, true);
-        search.moves(lane, &line, &at).then_some(line)
-    });
-    let points = lines.iter().flatten().map(|l| l.psi.len()).max();
-    let open: Vec<u32> = (0..points.unwrap_or(0))
-        .map(|i| open(search, &lines, i, free))
-        .collect();
-    for (lane, line) in lines.iter().enumerate() {
-        if let Some(line) = line {
-            let is_open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
-            shadows(search, lane, line, &is_open, radiance);
+        let mut is_open: Vec<bool> = open.iter().map(|o| o >> lane & 1 == 1).collect();
+        if let Some(place) = line.bounce {
+            is_open.insert(place, free >> lane & 1 == 1);
         }
+        shadows(search, lane, &line, &is_open, radiance);
     }
     bright.weigh(&mut search.out.samples[first..]);
 }
 
-/// Which lanes see the environment at point `i` of their lines.
-fn open(search: &mut LobeSearch, lines: &[Option<Line>; LANES], i: usize, free: u32) -> u32 {
-    let mut directions = [Vec3::Z; LANES];
-    let (mut wanted, mut known) = (0u32, 0u32);
-    for (lane, line) in lines.iter().enumerate() {
-        if let Some(line) = line {
-            if line.bounce == Some(i) {
-                known |= free & 1 << lane;
-            } else {
-                wanted |= 1 << lane;
-            }
-            directions[lane] = line.direction(line.psi[i]).as_vec3();
+/// The lines through the bounces of a packet, without what is known of them.
+struct Rows {
+    pole: V3<Lane>,
+    middle: V3<Lane>,
+    /// Sine and cosine of how far the points inside lie beyond quarters of the line.
+    turn: [Lane; 2],
+}
+
+impl Rows {
+    fn new(search: &LobeSearch) -> Self {
+        let surface = search.at.surface;
+        let unit = |i: usize| Lane::splat(if i == search.axis { 1.0 } else { 0.0 });
+        let pole = direction_from_local(surface.n, V3::new(unit(0), unit(1), unit(2)));
+        let bounce = search.bounce.rays.direction;
+        let turn = Lane::new(search.jitter) * Lane::splat(FRAC_PI_4);
+        let (sin, cos) = turn.sin_cos();
+        Self {
+            pole,
+            middle: (bounce - pole * bounce.dot(pole)).normalize(),
+            turn: [sin, cos],
         }
     }
-    let surface = search.at.surface;
-    let directions = from_lanes(&directions);
-    let view = search.scene.view;
-    let rays = view.leaving(surface.x, surface.geometric, directions, wanted);
-    view.unoccluded(&rays, &mut search.out.counts.bounce_cell) | known
+
+    /// Whether something may be found on a lane's that moves as seen from there.
+    fn moves(&self, search: &LobeSearch, lane: usize) -> bool {
+        let [pole, middle] = [self.pole, self.middle].map(|v| lane_of(v, lane).as_dvec3());
+        let n = lane_of(search.at.surface.n, lane).as_dvec3();
+        search.sector_moves(lane, || Sector {
+            origin: lane_of(search.at.surface.x, lane).as_dvec3(),
+            normal: pole.cross(middle),
+            inward: [middle, n],
+        })
+    }
+
+    /// Which of these lanes see the environment at each point of their lines but the bounces.
+    fn open(&self, search: &mut LobeSearch, lanes: u32) -> [u32; POINTS] {
+        if lanes == 0 {
+            return [0; POINTS];
+        }
+        let [s, c] = self.turn;
+        let half = Lane::splat(FRAC_1_SQRT_2);
+        let (sum, difference) = ((s + c) * half, (s - c) * half);
+        let [one, rim] = [1.0, RIM as f32].map(Lane::splat);
+        // Sines and cosines: of the rims, and of quarters of the half circle between them.
+        let points = [
+            (-one, rim),
+            (-c, s.max(rim)),
+            (difference, sum),
+            (s, c),
+            (sum, -difference),
+            (one, rim),
+        ];
+        let (view, surface) = (search.scene.view, search.at.surface);
+        points.map(|(sin, cos)| {
+            let directions = self.pole * sin + self.middle * cos;
+            let rays = view.leaving(surface.x, surface.geometric, directions, lanes);
+            view.unoccluded(&rays, &mut search.out.counts.bounce_cell)
+        })
+    }
 }
 
 /// The silhouettes of whatever hides the environment at some of the points of a lane's line.

@@ -36,7 +36,7 @@ pub const INNER_POINTS: usize = 4;
 /// No lobe is taken for narrower (radians).
 const NARROWEST: f64 = 1e-4;
 /// Lines end this far above the horizon (radians), where no ray grazes the surface.
-const RIM: f64 = 1e-4;
+pub const RIM: f64 = 1e-4;
 
 /// How points lie on a line.
 #[derive(Clone, Copy, Debug)]

@@ -15,6 +15,7 @@ use crate::paths::at::At;
 use crate::paths::bounce::Bounce;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Shadow};
 use crate::paths::chain_vertex::ChainVertex;
+use crate::paths::moving::Sector;
 use crate::paths::rays::lane_of;
 use glam::DVec3;
 
@@ -66,15 +67,18 @@ impl LobeSearch<'_> {
     /// Whether something may be found on a line that moves as seen by its lane.
     pub fn moves(&self, lane: usize, line: &Line, at: &LaneSurface) -> bool {
         let x = lane_of(self.at.surface.x, lane).as_dvec3();
-        let sector = line.sector(x, at);
+        self.sector_moves(lane, || line.sector(x, at))
+    }
+
+    /// The same of a line in a sector.
+    pub fn sector_moves(&self, lane: usize, sector: impl FnOnce() -> Sector) -> bool {
+        if self.at.vertices.moves >> lane & 1 == 1 {
+            return true;
+        }
+        let sector = sector();
         let drifts = self.at.vertices.drifts >> lane & 1 == 1;
-        self.at.vertices.moves >> lane & 1 == 1
-            || self.scene.moving.meets(&sector)
-            || (drifts
-                && self
-                    .scene
-                    .lobe_drift
-                    .is_some_and(|drift| drift.meets(&sector)))
+        let drift = self.scene.lobe_drift.filter(|_| drifts);
+        self.scene.moving.meets(&sector) || drift.is_some_and(|drift| drift.meets(&sector))
     }
 
     /// Whether all that a lane sees over its lobe moves, or directions do.
