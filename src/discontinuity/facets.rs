@@ -2,8 +2,9 @@
 
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::arc::Arc;
+use crate::discontinuity::exit::{Exit, Gauge};
 use crate::discontinuity::texture_edges;
-use crate::discontinuity::walk::{is_torn, parameter};
+use crate::discontinuity::walk::is_torn;
 use crate::trace::geometry::Geometry;
 
 /// Triangles crossed before the rest is given up.
@@ -43,25 +44,19 @@ pub fn facets(
     start: u32,
     limit: f64,
 ) -> Vec<Facet> {
-    let normal = arc.a.cross(arc.b);
+    let gauge = Gauge::new(arc);
     let mut found: Vec<Facet> = Vec::new();
     let mut triangle = start;
     let mut entered_by = None;
     let mut from = 0.0;
     while found.len() < MAX_FACETS {
-        let points = geometry.triangles[triangle as usize]
-            .map(|v| geometry.positions[v as usize].as_dvec3() - arc.origin);
-        let side = points.map(|p| normal.dot(p));
+        let at = geometry.triangles[triangle as usize]
+            .map(|v| gauge.of(geometry.positions[v as usize].as_dvec3() - arc.origin));
         let crossings = (0..3).filter_map(|corner| {
-            let next = (corner + 1) % 3;
-            if Some(corner) == entered_by || (side[corner] >= 0.0) == (side[next] >= 0.0) {
-                return None;
-            }
-            let along = side[corner] / (side[corner] - side[next]);
-            let point = points[corner].lerp(points[next], along);
-            let toward_b = normal.dot(arc.a.cross(point));
-            let of_a = normal.dot(point.cross(arc.b));
-            Some((corner, toward_b, parameter(toward_b, of_a)))
+            let ends = [at[corner], at[(corner + 1) % 3]];
+            let is_way_out = Some(corner) != entered_by && !ends[0].is_on_side_of(ends[1]);
+            let exit = is_way_out.then(|| Exit::new(ends[0], ends[1]))?;
+            Some((corner, exit.toward_b(), exit.s()))
         });
         let Some((corner, _, to)) = crossings.max_by(|a, b| a.1.total_cmp(&b.1)) else {
             break;

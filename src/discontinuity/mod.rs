@@ -6,6 +6,7 @@ pub mod arc;
 pub mod between;
 pub mod boundary;
 pub mod crossing;
+pub mod exit;
 pub mod facets;
 pub mod outline;
 pub mod pencil;

@@ -280,7 +280,7 @@ fn walk(
         let is_ridge = if is_smooth {
             is_torn(geometry, triangle, corner, &across)
         } else {
-            bend(points, next) > FLAT
+            bend(normal, there) > FLAT
         };
         let has_pattern = geometry.pattern(triangle).is_some();
         let is_ridge = is_ridge

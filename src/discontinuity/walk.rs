@@ -14,6 +14,7 @@ use crate::discontinuity::adjacency::{Across, Adjacency};
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Reservoir};
+use crate::discontinuity::exit::{Exit, Gauge, Gauged};
 use crate::discontinuity::texture_edges;
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
@@ -90,116 +91,142 @@ pub fn walk_among(
     limit: f64,
     ridges: &mut Reservoir,
 ) -> Walk {
-    let normal = arc.a.cross(arc.b);
-    let faces = |[p, q, r]: [DVec3; 3]| p.dot((q - p).cross(r - p)) < 0.0;
-
+    let gauge = Gauge::new(arc);
+    let end = |vertex: u32| {
+        let point = position(vertex);
+        let at = gauge.of(point);
+        End { vertex, point, at }
+    };
     // A walk stays on one mesh.
     let is_smooth = geometry.smooth[geometry.mesh_of_triangle[start as usize] as usize];
     let has_texture_edges = geometry.pattern(start).is_some();
+    let texture_lines = |triangle: u32, part: [f64; 2], ridges: &mut Reservoir| {
+        let points = geometry.triangles[triangle as usize].map(&position);
+        for (line, s) in texture_edges::lines(geometry, triangle, points, arc, part) {
+            ridges.meet(Crossing::ridge(line, s));
+        }
+    };
     let mut triangle = start;
-    let mut vertices = geometry.triangles[start as usize];
-    let mut points = vertices.map(&position);
-    let mut side = points.map(|p| normal.dot(p));
-    let mut facing = faces(points);
-    let mut entered_by = None;
+    let corners = geometry.triangles[start as usize].map(end);
+    let mut plane = plane_of(corners.map(|c| c.point));
+    let mut facing = corners[0].point.dot(plane) < 0.0;
+    // The edge by which the arc leaves the triangle.
+    let Some((mut corner, mut from, mut to)) = way_out(corners) else {
+        return Walk::Lost;
+    };
     let mut entered_at = 0.0;
     for _ in 0..MAX_STEPS {
-        let mut exit: Option<(usize, f64, f64, DVec3)> = None;
-        for corner in 0..3 {
-            let next = (corner + 1) % 3;
-            if Some(corner) == entered_by || (side[corner] >= 0.0) == (side[next] >= 0.0) {
-                continue;
-            }
-            let along = side[corner] / (side[corner] - side[next]);
-            let point = points[corner].lerp(points[next], along);
-            // In the first triangle the ray itself passes between the two crossings: the way out is
-            // toward b.
-            let toward_b = normal.dot(arc.a.cross(point));
-            if exit.is_none_or(|(_, best, ..)| toward_b > best) {
-                exit = Some((corner, toward_b, along, point));
-            }
-        }
-        let Some((corner, toward_b, along, point)) = exit else {
-            return Walk::Lost;
-        };
-        let s = parameter(toward_b, normal.dot(point.cross(arc.b)));
+        let exit = Exit::new(from.at, to.at);
+        let s = exit.s();
         if has_texture_edges && ridges.is_open() {
-            let part = [entered_at, s.min(limit)];
-            for (line, s) in texture_edges::lines(geometry, triangle, points, arc, part) {
-                ridges.meet(Crossing::ridge(line, s));
-            }
+            texture_lines(triangle, [entered_at, s.min(limit)], ridges);
+            entered_at = s;
         }
+        // To the last bit: a limit may be where another walk has ended.
         if s >= limit {
             ridges.settle(limit);
             return Walk::Continues;
         }
-        let next = (corner + 1) % 3;
-        let fold = Fold {
-            edge: [vertices[corner], vertices[next]],
+        let fold = |is_thin: bool| Fold {
+            edge: [from.vertex, to.vertex],
             s,
-            along,
-            point: point + arc.origin,
-            is_thin: false,
+            along: exit.along(),
+            point: from.point.lerp(to.point, exit.along()) + arc.origin,
+            is_thin,
         };
         let Some(across) = adjacency.across(triangle, corner) else {
             ridges.settle(s);
-            return Walk::Fold(fold);
+            return Walk::Fold(fold(false));
         };
-        // The points of the common edge are known; only the third is new.
-        let [first, second, third] = [0, 1, 2].map(|i| (across.corner + i) % 3);
-        let [at_first, at_second] = if across.flipped {
-            [corner, next]
+        // The points of the common edge are known, though each triangle may have vertices of its
+        // own there; only the third point is new.
+        let vertices = geometry.triangles[across.triangle as usize];
+        let [second_corner, third_corner] = [1, 2].map(|i| (across.corner + i) % 3);
+        let third = end(vertices[third_corner]);
+        let [mut first, mut second] = if across.flipped {
+            [from, to]
         } else {
-            [next, corner]
+            [to, from]
         };
-        let vertices_across = geometry.triangles[across.triangle as usize];
-        let mut points_across = points;
-        points_across[first] = points[at_first];
-        points_across[second] = points[at_second];
-        points_across[third] = position(vertices_across[third]);
+        (first.vertex, second.vertex) = (vertices[across.corner], vertices[second_corner]);
+        // In the triangle's own order: it faces the same way whatever edge it is entered by.
+        let points = match third_corner {
+            0 => [third, first, second],
+            1 => [second, third, first],
+            _ => [first, second, third],
+        };
+        let points = points.map(|end| end.point);
+        let plane_across = plane_of(points);
         facing ^= across.flipped;
-        if faces(points_across) != facing {
+        if (points[0].dot(plane_across) < 0.0) != facing {
             ridges.settle(s);
-            let [here, there] = [points, points_across].map(|[p, q, r]| (q - p).cross(r - p));
-            let is_acute = (here.dot(there) < 0.0) != across.flipped;
-            return Walk::Fold(Fold {
-                is_thin: is_smooth && is_acute,
-                ..fold
-            });
+            let is_acute = (plane.dot(plane_across) < 0.0) != across.flipped;
+            return Walk::Fold(fold(is_smooth && is_acute));
         }
         if ridges.is_open() {
-            let ridge = Crossing::ridge(Boundary::Edge(fold.edge), s);
-            let bend = bend(points, points_across);
+            let ridge = || Crossing::ridge(Boundary::Edge(fold(false).edge), s);
+            let bend = bend(plane, plane_across);
             if (bend > FLAT && !is_smooth)
                 || (is_smooth && is_torn(geometry, triangle, corner, &across))
                 || (has_texture_edges
                     && texture_edges::is_seam(geometry, triangle, corner, &across))
             {
-                ridges.meet(ridge);
+                ridges.meet(ridge());
             } else if bend > FLAT {
-                ridges.meet_facet_edge(ridge, (bend / COARSE).min(1.0));
+                ridges.meet_facet_edge(ridge(), (bend / COARSE).min(1.0));
             }
         }
         if across.triangle == goal {
             if has_texture_edges && ridges.is_open() {
-                for (line, s) in texture_edges::lines(geometry, goal, points_across, arc, [s, 1.0])
-                {
-                    ridges.meet(Crossing::ridge(line, s));
-                }
+                texture_lines(goal, [s, 1.0], ridges);
             }
             ridges.settle(f64::INFINITY);
             return Walk::Reached;
         }
-        let mut side_across = side;
-        side_across[first] = side[at_first];
-        side_across[second] = side[at_second];
-        side_across[third] = normal.dot(points_across[third]);
-        (triangle, vertices, points, side) =
-            (across.triangle, vertices_across, points_across, side_across);
-        entered_by = Some(across.corner);
-        entered_at = s;
+        // Of the common edge one end lies on either side of the arc's plane.
+        (corner, from, to) = match third.at.is_on_side_of(first.at) {
+            true => (second_corner, second, third),
+            false => (third_corner, third, first),
+        };
+        (triangle, plane) = (across.triangle, plane_across);
     }
     Walk::Lost
+}
+
+/// The edge by which the arc leaves the first triangle, and the corner at which it starts. The ray
+/// itself passes between two crossings, of which it is the one that lies toward b.
+#[inline(always)]
+fn way_out([p, q, r]: [End; 3]) -> Option<(usize, End, End)> {
+    let [pq, qr, rp] = [(p, q), (q, r), (r, p)].map(|(from, to)| !from.at.is_on_side_of(to.at));
+    // The corner that lies alone on its side, and the others in their order.
+    let (corner, alone, after, before) = match (pq, qr, rp) {
+        (true, _, true) => (0, p, q, r),
+        (true, true, _) => (1, q, r, p),
+        (_, true, true) => (2, r, p, q),
+        _ => return None,
+    };
+    let exits = [
+        Exit::new(alone.at, after.at),
+        Exit::new(before.at, alone.at),
+    ];
+    let [there, here] = exits.map(|exit| exit.toward_b());
+    Some(match there > here {
+        true => (corner, alone, after),
+        false => ((corner + 2) % 3, before, alone),
+    })
+}
+
+/// An end of an edge.
+#[derive(Clone, Copy)]
+struct End {
+    vertex: u32,
+    point: DVec3,
+    at: Gauged,
+}
+
+/// Across the plane of a triangle.
+fn plane_of([p, q, r]: [DVec3; 3]) -> DVec3 {
+    (q - p).cross(r - p)
 }
 
 /// Below this squared sine of their angle two triangles lie in one plane, and their common edge is
@@ -232,8 +259,9 @@ pub fn bend_at(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
         corners.map(|v| geometry.positions[v as usize].as_dvec3())
     };
     let [here, there] = [points(triangle), points(across.triangle)];
-    let sine = bend(here, there);
-    let [n, m] = [here, there].map(|[p, q, r]| (q - p).cross(r - p).normalize_or_zero());
+    let planes = [here, there].map(plane_of);
+    let sine = bend(planes[0], planes[1]);
+    let [n, m] = planes.map(DVec3::normalize_or_zero);
     let m = if across.flipped { -m } else { m };
     Bend {
         squared_sine: (sine > FLAT).then_some(sine),
@@ -244,10 +272,9 @@ pub fn bend_at(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
     }
 }
 
-/// The squared sine of the angle between the planes of two triangles.
-pub(super) fn bend(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
-    let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
-    na.cross(nb).length_squared() / (na.length_squared() * nb.length_squared())
+/// The squared sine of the angle between two planes, from vectors across them.
+pub(super) fn bend(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length_squared() / (a.length_squared() * b.length_squared())
 }
 
 /// Whether the shading normals on the two sides of an edge differ, whose vertices each side has for
@@ -269,16 +296,4 @@ pub fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
     here.into_iter()
         .zip(there)
         .any(|(v, w)| v != w && f64::from(normal(v).distance_squared(normal(w))) > FLAT)
-}
-
-/// The s for which a point α·a + β·b is parallel to (1−s)·a + s·b, from numbers proportional to β
-/// and α with the same positive factor; infinite beyond the half-turn.
-pub fn parameter(of_b: f64, of_a: f64) -> f64 {
-    if of_a + of_b > 0.0 {
-        of_b / (of_a + of_b)
-    } else if of_b > 0.0 {
-        f64::INFINITY
-    } else {
-        0.0
-    }
 }
