@@ -167,6 +167,30 @@ mod tests {
         assert!(!after(50.0, 1.3 * USUAL, 1000.0).is_difference());
     }
 
+    /// What is rare is not seen by the few differences of a look.
+    #[test]
+    fn foretold_noise_counts() {
+        let differences = Contender::Differences { carried: true };
+        let mut all = AllTried::new(1000.0);
+        for (way, variance) in [
+            (Contender::Mixture(Mixture::default()), USUAL),
+            (differences, 0.1 * USUAL),
+        ] {
+            all.add(Tried {
+                way,
+                paths: 1000.0,
+                variance,
+                work: 1.0,
+                looks_over_lobes: false,
+                noise: NoiseMap::default(),
+            });
+        }
+        assert!(all.best().is_difference() && all.differences_promise(4.0));
+        all.foretold_of_differences = 2.0 * USUAL;
+        assert!(!all.best().is_difference() && !all.differences_promise(1.0));
+        assert_eq!(all.pilot().trials[1].variance, 2.0 * USUAL);
+    }
+
     /// Short looks have to be clearer than whole ones.
     #[test]
     fn another_mixture_has_to_promise_more() {
