@@ -129,11 +129,12 @@ fn about(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use glam::{Vec3, dvec3, vec3};
 
-    fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
+    /// One mesh, shaded flat.
+    pub fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
         Geometry {
             origin: Vec3::ZERO,
             mesh_of_triangle: vec![0; triangles.len()],

@@ -297,3 +297,62 @@ pub fn is_torn(geometry: &Geometry, triangle: u32, corner: usize, across: &Acros
         .zip(there)
         .any(|(v, w)| v != w && f64::from(normal(v).distance_squared(normal(w))) > FLAT)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discontinuity::facets::facets;
+    use crate::discontinuity::outline::tests::geometry;
+    use crate::trace::geometry::NO_TRIANGLE;
+    use glam::{dvec3, vec3};
+
+    const QUADS: u32 = 3;
+
+    /// A strip of the plane z = −1 along x, whose triangles have vertices of their own, and one of
+    /// which is wound the other way round.
+    fn strip() -> Geometry {
+        let corner = |i: u32, up: bool| {
+            let y = if up { 0.47 } else { -0.53 };
+            vec3(0.7371 * i as f32, y + 0.013 * i as f32, -1.0)
+        };
+        let mut positions = Vec::new();
+        for i in 0..QUADS {
+            let [p, q, r, s] = [(i, false), (i + 1, false), (i + 1, true), (i, true)];
+            for (i, up) in [p, q, s, q, r, s] {
+                positions.push(corner(i, up));
+            }
+        }
+        let mut triangles: Vec<[u32; 3]> = (0..2 * QUADS)
+            .map(|t| [0, 1, 2].map(|i| 3 * t + i))
+            .collect();
+        triangles[3].swap(0, 1);
+        geometry(positions, triangles)
+    }
+
+    /// A walk ends at an edge of the triangle that it has come to, and to the last bit where what
+    /// passes over the triangles leaves that one.
+    #[test]
+    fn ends_are_those_of_the_last_triangle() {
+        let strip = strip();
+        let adjacency = Adjacency::new(&strip);
+        for k in 0..50 {
+            let y = 0.011 * f64::from(k) - 0.27;
+            let arc = Arc {
+                origin: DVec3::ZERO,
+                a: dvec3(0.1, 0.05, -1.0),
+                b: dvec3(4.0, y, -1.0),
+            };
+            let ends = [0, NO_TRIANGLE];
+            let none = &mut Reservoir::closed();
+            let Walk::Fold(fold) = walk(&strip, &adjacency, &arc, ends, 1.0, none) else {
+                panic!("no end at {y}");
+            };
+            let last = 2 * QUADS - 1;
+            let own = strip.triangles[last as usize];
+            assert!(fold.edge.iter().all(|v| own.contains(v)), "{fold:?}");
+            let passed = facets(&strip, &adjacency, &arc, 0, fold.s);
+            let end = passed.last().expect("a triangle");
+            assert_eq!((end.triangle, end.to), (last, fold.s));
+        }
+    }
+}
