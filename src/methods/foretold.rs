@@ -6,9 +6,9 @@
 //! JV·J/(2h) in the mean square. A pilot's few differences seldom meet what is rare, such as the
 //! edge of a bright lamp that hardly moves; cells find it at every look.
 //!
-//! V is the velocity beside samples that are carried as those of the differences are. It is right to
-//! a factor of two: directions over lobes drift here where cells' do (`paths::lobe_drift`), and do
-//! not in differences; J is averaged over looks; and samples of a lattice are not independent.
+//! V is the velocity beside samples that are carried as those of the differences are. It is right
+//! to a factor of two: directions over lobes drift here where cells' do (`paths::lobe_drift`), and
+//! do not in differences; J is averaged over looks; and samples of a lattice are not independent.
 
 use super::differences::Steps;
 use super::moved_packet::Moved;
