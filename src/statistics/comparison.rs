@@ -2,6 +2,7 @@
 //! bars.
 
 use super::replicates::Replicates;
+use super::sigmas::of_chi_squared;
 use crate::picture::Image;
 use serde::Serialize;
 
@@ -47,7 +48,8 @@ pub struct Comparison {
 pub struct Excess {
     /// Its root, relative to the reference's RMS.
     pub relative_rms: f64,
-    /// In standard errors.
+    /// In standard errors of a normal distribution that are as rare: where few pixels have all of the
+    /// noise this is distributed as χ² of few degrees of freedom.
     pub significance: f64,
 }
 
@@ -93,7 +95,8 @@ impl Comparison {
             sums.ab += a * b;
             sums.bb += b * b;
             sums.noise_b += sb * sb;
-            sums.excess += shrunk(a - b, rounding).powi(2) - variance;
+            sums.squares += shrunk(a - b, rounding).powi(2);
+            sums.variance += variance;
             sums.noise_on_b += variance * b * b;
             sums.reference_noise_on_b += sb * sb * b * b;
             let cluster = &mut clusters[tested.block_of(at)];
@@ -124,7 +127,7 @@ impl Comparison {
                 / sums.noise_on_b.max(f64::MIN_POSITIVE),
             blocks: block_excess(tested, reference, rounding, significant),
             // As if all the noise of a block were one number's: the filter correlates neighbours.
-            pixels: Excess::new(sums.excess, within, scale),
+            pixels: Excess::new([sums.squares, sums.variance], within, scale),
             compared: sums.compared,
             chi2_per_number: sums.chi2 / count,
             share_beyond_4: sums.beyond as f64 / count,
@@ -156,18 +159,20 @@ struct Sums {
     ab: f64,
     bb: f64,
     noise_b: f64,
-    excess: f64,
+    squares: f64,
+    variance: f64,
     noise_on_b: f64,
     reference_noise_on_b: f64,
 }
 
 impl Excess {
-    fn new(excess: f64, its_variance: f64, scale: f64) -> Self {
-        let deviation = its_variance.sqrt();
+    /// From the sums of squared differences and of their variances, and the variance of the former.
+    fn new([squares, variance]: [f64; 2], its_variance: f64, scale: f64) -> Self {
+        let excess = squares - variance;
         Self {
             relative_rms: (excess.max(0.0) / scale).sqrt(),
-            significance: match deviation > 0.0 {
-                true => excess / deviation,
+            significance: match its_variance > 0.0 {
+                true => of_chi_squared(squares / variance, its_variance.sqrt() / variance),
                 false if excess > 0.0 => f64::MAX,
                 false => 0.0,
             },
@@ -181,21 +186,25 @@ fn block_excess(
     rounding: f64,
     significant: bool,
 ) -> Excess {
-    let (mut excess, mut its_variance, mut signal) = (0.0, 0.0, 0.0);
-    for (a, b) in tested.block_means().zip(reference.block_means()) {
-        let variance = a.error * a.error + b.error * b.error;
-        excess += shrunk(a.value - b.value, rounding).powi(2) - variance;
-        // 2·variance² for a normal distribution; an estimated variance's square is too large on
-        // average, and the more so the fewer the runs: that errs on the side of agreement.
-        its_variance += 2.0 * variance * variance;
+    let (mut squares, mut signal) = (0.0, 0.0);
+    let mut variances = vec![0.0; tested.block_count()];
+    let pairs = tested.block_means().zip(reference.block_means());
+    for (number, (a, b)) in pairs.enumerate() {
+        squares += shrunk(a.value - b.value, rounding).powi(2);
+        // As if all the noise of a block were one channel's: what is bright is so in all of them.
+        variances[number / 3] += a.error * a.error + b.error * b.error;
         signal += b.value * b.value - b.error * b.error;
     }
+    let variance: f64 = variances.iter().sum();
+    // 2·variance² for a normal distribution; an estimated variance's square is too large on average,
+    // and the more so the fewer the runs: that errs on the side of agreement.
+    let its_variance: f64 = variances.iter().map(|v| 2.0 * v * v).sum();
     let scale = if significant && signal > 0.0 {
         signal
     } else {
         f64::NAN
     };
-    Excess::new(excess, its_variance, scale)
+    Excess::new([squares, variance], its_variance, scale)
 }
 
 /// A difference without the part that rounding may have in it.

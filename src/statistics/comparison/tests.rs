@@ -117,6 +117,30 @@ fn a_shift_by_a_pixel_is_seen_in_the_pixels() {
     );
 }
 
+/// Something bright that half of the runs of one side have met in one pixel, and none of the other.
+#[test]
+fn what_is_rare_is_no_fault() {
+    let quiet = |at| 0.1 * if truth(at) == 0.0 { 0.0 } else { NOISE };
+    let mut tested = Replicates::default();
+    let spot = 3 * (32 * SIDE + 32);
+    for run in 0..RUNS {
+        let met = |at| {
+            if at / 3 * 3 == spot && run % 2 == 0 {
+                2.0
+            } else {
+                0.0
+            }
+        };
+        tested.add(
+            &image(|at| truth(at) + met(at) + quiet(at) * normal(run as u64, at)),
+            &image(|at| quiet(at) + met(at)),
+        );
+    }
+    let c = Comparison::of(&tested, &replicates(1000, &truth, &quiet), 0.0);
+    // It is 2.65 standard errors of that pixel.
+    assert!((c.blocks.significance - 2.4).abs() < 0.2, "{c:?}");
+}
+
 #[test]
 fn what_is_certain_must_be_equal() {
     let c = compare(|at| if at < 3 { 1.0 } else { truth(at) });
