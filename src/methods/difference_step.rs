@@ -10,11 +10,12 @@ use crate::scene::{DeltaLightKind, Layout, Relief, Scene, SceneDifferential};
 const STEP_PIXELS: f64 = 0.1;
 /// Step for parameters that move nothing: the image is linear or smooth in them.
 const STEP_COLOUR: f64 = 0.01;
-/// And no more than this part of the way to the nearest limit.
+/// And no more than this part of the way to the nearest limit, whatever else moves.
 const STEP_ROOM: f64 = 0.2;
 
 /// A step along the direction that moves the fastest point by a tenth of a pixel: of what is seen,
-/// or of lights without an extent and of the sky as they would be seen.
+/// or of lights without an extent and of the sky as they would be seen. It is shorter where colours
+/// or roughnesses that change as well would come near their limits.
 pub fn step(
     scene: &Scene,
     settings: &Settings,
@@ -63,11 +64,11 @@ pub fn step(
         fastest = fastest.max((by_translation + turns) * pixels);
     }
     fastest = fastest.max(fastest_in_reliefs(scene, &tangent) * pixels);
-    Ok(if fastest > 0.0 && fastest.is_finite() {
-        STEP_PIXELS / fastest
-    } else {
-        colour_step(scene, &tangent)
-    })
+    let step = match fastest > 0.0 && fastest.is_finite() {
+        true => STEP_PIXELS / fastest,
+        false => STEP_COLOUR,
+    };
+    Ok(step.min(step_within_limits(scene, &tangent)))
 }
 
 /// By how much what is seen in smooth surfaces turns at most, in radians or so, as pictures change
@@ -100,8 +101,8 @@ fn fastest_in_reliefs(scene: &Scene, tangent: &SceneDifferential) -> f64 {
 }
 
 /// A step along which no number leaves its limits: a roughness of 0.01 cannot change by 0.02.
-fn colour_step(scene: &Scene, tangent: &SceneDifferential) -> f64 {
-    let mut step = STEP_COLOUR;
+pub fn step_within_limits(scene: &Scene, tangent: &SceneDifferential) -> f64 {
+    let mut step = f64::INFINITY;
     for (texture, changes) in scene.textures.iter().zip(&tangent.texels) {
         let [low, high] = texture.limits;
         let values = texture.texels.iter().flatten();

@@ -1,6 +1,6 @@
 //! From what is asked for to the method that computes it.
 
-use super::differences::{self, Steps};
+use super::differences;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
 use super::forward::forward_and_foretell;
@@ -13,6 +13,7 @@ use super::render::Along;
 use super::results::{BackwardGradient, ForwardGradient, Rendering};
 use super::settings::Settings;
 use super::statistics::{Pilot, Statistics};
+use super::steps::Steps;
 use super::tails::add_largest_parts;
 use crate::picture::Image;
 use crate::scene::Scene;

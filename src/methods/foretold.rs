@@ -10,9 +10,9 @@
 //! to a factor of two: directions over lobes drift here where cells' do (`paths::lobe_drift`), and
 //! do not in differences; J is averaged over looks; and samples of a lattice are not independent.
 
-use super::differences::Steps;
 use super::moved_packet::Moved;
 use super::stage::Stage;
+use super::steps::Steps;
 use crate::gradient::path::forward::ForwardSweep;
 use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate};

@@ -1,7 +1,6 @@
 //! Forward mode by `reparam` and `interior`: the gradient image along one direction.
 
 use super::clock::StageClock;
-use super::differences::Steps;
 use super::error::EngineError;
 use super::estimators::MakeBoundary;
 use super::foretold;
@@ -16,6 +15,7 @@ use super::settings::Settings;
 use super::spare::Spare;
 use super::stage::Stage;
 use super::statistics::Statistics;
+use super::steps::Steps;
 use super::tails::share_of_worst_pixels;
 use crate::gradient::path::forward::ForwardSweep;
 use crate::gradient::scene::forward::Motion;

@@ -5,7 +5,7 @@
 //! two renderings or four for each number, which is worth it for a few numbers where stored paths
 //! have much more noise: smooth metal and glass, scanned meshes.
 
-use super::differences::{Displaced, Part, Steps};
+use super::differences::{Displaced, Part};
 use super::error::EngineError;
 use super::estimators::Method;
 use super::objective::{Evaluation, Objective, check_size, evaluate, inner_product};
@@ -14,6 +14,7 @@ use super::progress::Progress;
 use super::render::render;
 use super::results::BackwardGradient;
 use super::settings::{Groups, Settings};
+use super::steps::Steps;
 use super::tails::add_largest_parts;
 use crate::gradient::terms::Terms;
 use crate::picture::Image;
@@ -45,8 +46,9 @@ pub fn backward(
     }
     let part = |part: usize| Part {
         whole: progress,
-        part: part as u64,
-        parts: (numbers + 2) as u64,
+        before: part as u64,
+        part: 1,
+        all: (numbers + 2) as u64,
     };
     let evaluation = evaluate(prepared, settings, objective, &part(0))?;
     let mut done = rest(prepared, settings, &along_paths, &evaluation, &part(1))?;

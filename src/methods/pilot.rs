@@ -111,7 +111,7 @@ impl Prepared<'_> {
         let job = Job::new(self, &settings, times, differences)?;
         let mut trials = Trials::new(self, settings.clone(), (direction, job), progress);
         if differences.is_some() {
-            trials.foretell_differences()?;
+            trials.allow_differences()?;
         }
         match trials.run_usual() {
             Err(EngineError::Refused(sentence)) if differences.is_some() => {

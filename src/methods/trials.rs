@@ -2,7 +2,7 @@
 
 use super::contender::Contender;
 use super::decisions::Answer;
-use super::differences::{self, CARRIED_IMAGES, IMAGES, Steps, carried_step};
+use super::differences;
 use super::error::EngineError;
 use super::estimators::Method;
 use super::looks::{self, Job, Look};
@@ -13,6 +13,7 @@ use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::stage::Stage;
 use super::statistics::{Pilot, Statistics};
+use super::steps::Steps;
 use super::tried::{AllTried, Tried};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 use crate::picture::Image;
@@ -53,7 +54,7 @@ pub struct Trials<'a> {
     direction: Direction<'a>,
     job: Job,
     progress: &'a dyn Progress,
-    /// What differences would step by.
+    /// What differences would step by, if they may answer.
     steps: Option<Steps>,
     done: AllTried,
 }
@@ -76,8 +77,8 @@ impl<'a> Trials<'a> {
         }
     }
 
-    /// Has looks at the usual way foretell the noise of differences.
-    pub fn foretell_differences(&mut self) -> Result<(), EngineError> {
+    /// Differences may answer, too: looks at the usual way foretell their noise.
+    pub fn allow_differences(&mut self) -> Result<(), EngineError> {
         let settings = Settings {
             method: Method::CarriedFd,
             seed: looks::SEED,
@@ -112,25 +113,37 @@ impl<'a> Trials<'a> {
     /// The same with differences.
     fn run_differences(&mut self, paths: f64) -> Result<(), EngineError> {
         let look = Look::new(self.prepared, &self.settings, self.job, paths)?;
-        let settings = Settings {
-            method: Method::CarriedFd,
-            ..look.settings.clone()
+        let steps = self.steps();
+        let found = self.look_by_differences(&look.settings)?;
+        let way = Contender::Differences {
+            carried: steps.carried().is_some(),
         };
-        let quiet = Quietly(self.progress);
-        let (found, carried) =
-            differences::forward_of_pilot(self.prepared, &settings, self.direction, &quiet)?;
-        let way = Contender::Differences { carried };
+        let variance = self.variance(&found, &look);
         let mut work = self.work(way, &found, &look);
-        let mut variance = self.variance(&found, &look);
-        if carried {
-            // Of what jumps it goes with one over the step.
-            variance *= carried_step(settings.spp) / carried_step(self.job.spp);
-        }
-        let scenes = if carried { CARRIED_IMAGES } else { IMAGES };
-        work += DISPLACED_VERTEX_US * scenes as f64 * self.moved_vertices()?;
+        work += DISPLACED_VERTEX_US * steps.scenes() as f64 * self.moved_vertices()?;
         work *= self.job.differences as f64;
         self.add(way, paths, [variance, work], &found);
         Ok(())
+    }
+
+    fn steps(&self) -> &Steps {
+        let steps = self.steps.as_ref();
+        steps.expect("steps, where differences may answer")
+    }
+
+    fn look_by_differences(&self, settings: &Settings) -> Result<ForwardGradient, EngineError> {
+        let settings = Settings {
+            method: Method::CarriedFd,
+            ..settings.clone()
+        };
+        let quiet = Quietly(self.progress);
+        differences::look(
+            self.prepared,
+            &settings,
+            self.direction,
+            self.steps(),
+            &quiet,
+        )
     }
 
     /// Of the job's gradient image.
@@ -291,9 +304,7 @@ impl<'a> Trials<'a> {
                 self.prepared
                     .forward_by(&settings, self.direction, boundary, &quiet)?
             }
-            Contender::Differences { .. } => {
-                differences::forward_of_pilot(self.prepared, &settings, self.direction, &quiet)?.0
-            }
+            Contender::Differences { .. } => self.look_by_differences(&settings)?,
         };
         Ok(Some(self.noise(way, &found)))
     }

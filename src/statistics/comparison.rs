@@ -48,8 +48,8 @@ pub struct Comparison {
 pub struct Excess {
     /// Its root, relative to the reference's RMS.
     pub relative_rms: f64,
-    /// In standard errors of a normal distribution that are as rare: where few pixels have all of the
-    /// noise this is distributed as χ² of few degrees of freedom.
+    /// In standard errors of a normal distribution that are as rare: where few pixels have all of
+    /// the noise this is distributed as χ² of few degrees of freedom.
     pub significance: f64,
 }
 
@@ -196,8 +196,8 @@ fn block_excess(
         signal += b.value * b.value - b.error * b.error;
     }
     let variance: f64 = variances.iter().sum();
-    // 2·variance² for a normal distribution; an estimated variance's square is too large on average,
-    // and the more so the fewer the runs: that errs on the side of agreement.
+    // 2·variance² for a normal distribution; an estimated variance's square is too large on
+    // average, and the more so the fewer the runs: that errs on the side of agreement.
     let its_variance: f64 = variances.iter().map(|v| 2.0 * v * v).sum();
     let scale = if significant && signal > 0.0 {
         signal

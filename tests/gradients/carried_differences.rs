@@ -1,7 +1,7 @@
 //! Differences whose samples are carried along with what they see: the same in the mean as those of
 //! samples that rest, and less noisy where there are many edges or smooth curved surfaces.
 
-use common::comparison::{RESOLUTION, SIGMAS, SKY, foliage, small_floor, with_samples};
+use common::comparison::{RESOLUTION, SIGMAS, SKY, close_up, foliage, small_floor, with_samples};
 use common::materials::Paint;
 use common::scenes::*;
 use common::{Quiet, direction, gradient, settings, variance};
@@ -60,6 +60,32 @@ fn they_agree_with_differences() {
             (carried.bias.error, carried)
         });
         assert!(carried.holds(SIGMAS), "{parts:?} {carried:.4?}");
+    }
+}
+
+/// What moves slowly allows long steps, but colours that change meanwhile have their limits.
+#[test]
+fn colours_stay_within_their_limits() {
+    let scene = close_up().constant_environment(SKY);
+    let parts: [(&str, &[f32]); 2] = [
+        ("block.translation", &[0.003, 0.0, 0.0]),
+        ("floor.bsdf.reflectance.value", &[1.0; 3]),
+    ];
+    let along = direction(&scene, &parts);
+    let runs = |method, first| -> Vec<Vec<f64>> {
+        let seeds = first..first + 12;
+        seeds
+            .map(|seed| gradient(&scene, &settings(&scene, method, 64, seed), &along))
+            .collect()
+    };
+    let reference = runs(Method::Reparam, 1000);
+    for method in [Method::Fd, Method::CarriedFd] {
+        let found = Agreement::new(&runs(method, 1), &reference);
+        println!("{method:?}: {found:.4?}");
+        assert!(
+            found.bias.error < RESOLUTION && found.holds(SIGMAS),
+            "{found:.4?}"
+        );
     }
 }
 
