@@ -95,6 +95,23 @@ fn it_agrees_with_an_even_one() {
     }
 }
 
+/// Before a box filter crossings stand for pieces of outlines, which reach from one block into
+/// another: an outline alone has hardly any noise that could hide it.
+#[test]
+fn outlines_go_on_over_blocks() {
+    let ball = spiky(vec3(0.5, 0.4, 0.4), 0.6, [1.0, 0.85]);
+    let (from, to) = (vec3(0.3, -5.0, 3.0), vec3(0.0, 0.0, 0.2));
+    let scene = scene(from, to, 50.0, SIZE, BOX)
+        .constant_environment(SKY)
+        .solid("ball", ball, [0.0; 3]);
+    let [uneven, even] = uneven_and_even(&scene, Method::Auto);
+    let (uneven, even) = (runs(&scene, &uneven, 1), runs(&scene, &even, 1000));
+    let agreement = Agreement::new(&uneven[0], &even[0]);
+    println!("{agreement:.4?}");
+    assert!(agreement.bias.error < 2e-3, "{agreement:.4?}");
+    assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
+}
+
 /// A pilot finds where the noise lies, and for about as much work less is left of it.
 #[test]
 fn it_is_less_noisy() {
