@@ -61,9 +61,9 @@ impl FilmFilter {
         (filter.radius() - 0.5 - 1e-3).ceil().max(0.0) as u32
     }
 
-    /// Pixels between one and the farthest whose samples reach it: even if they are carried on by up
-    /// to half a pixel, as differences do before continuous filters, and if what they found stands
-    /// for a piece of an outline, which is up to a pixel long to both sides and made before others.
+    /// Pixels between one and the farthest whose samples reach it: even if they are carried on by
+    /// up to half a pixel, as differences do before continuous filters, and if what they found
+    /// stands for a piece of an outline, which is up to a pixel long and made before others.
     pub fn reach(&self) -> i32 {
         match self.filter.is_continuous() {
             true => self.radius.ceil() as i32,
