@@ -89,7 +89,7 @@ fn it_agrees_with_an_even_one() {
         for (ours, theirs) in uneven.iter().zip(&even) {
             let agreement = Agreement::new(ours, theirs);
             println!("{method:?} {filter:?}: {agreement:.4?}");
-            assert!(agreement.bias.error < 0.02, "{agreement:.4?}");
+            assert!(agreement.bias.error < 0.03, "{agreement:.4?}");
             assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
         }
     }
@@ -108,7 +108,7 @@ fn outlines_go_on_over_blocks() {
     let (uneven, even) = (runs(&scene, &uneven, 1), runs(&scene, &even, 1000));
     let agreement = Agreement::new(&uneven[0], &even[0]);
     println!("{agreement:.4?}");
-    assert!(agreement.bias.error < 2e-3, "{agreement:.4?}");
+    assert!(agreement.bias.error < 5e-3, "{agreement:.4?}");
     assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
 }
 
