@@ -72,6 +72,7 @@ fn by_steps(
 ) -> Result<ForwardGradient, EngineError> {
     let mut statistics = Statistics::default();
     statistics.notes.push(steps.in_words());
+    statistics.notes.extend(steps.doubt().map(String::from));
     let mut sums = Sums::default();
     displaced.render(direction, steps, progress, &mut statistics, |it| {
         sums.add(&it);

@@ -2,8 +2,8 @@
 //!
 //! With w the derivative of the objective by the image, the derivative by a number θᵢ is ⟨w,
 //! ∂I/∂θᵢ⟩, and the image's derivative along θᵢ is a difference ([`super::differences`]). That is
-//! two renderings or four for each number, which is worth it for a few numbers where stored paths
-//! have much more noise: smooth metal and glass, scanned meshes.
+//! four renderings for each number, which is worth it for a few numbers where stored paths have
+//! much more noise: smooth metal and glass, scanned meshes.
 
 use super::differences::{Displaced, Part};
 use super::error::EngineError;
@@ -64,6 +64,7 @@ pub fn backward(
     let settings = &settings.weighted_by(adjoint);
     let displaced = Displaced::new(prepared, settings);
     let mut finished = 2;
+    let mut doubt = None;
     for (target, parameter) in differenced {
         let mut of_groups = vec![vec![0.0; parameter.len()]; done.groups.len()];
         for number in 0..numbers_of(&parameter) {
@@ -71,6 +72,7 @@ pub fn backward(
             one[number] = 1.0;
             let direction = [(parameter.clone(), one)];
             let steps = Steps::usual(prepared, settings, &direction)?;
+            doubt = doubt.or(steps.doubt());
             let (progress, statistics) = (part(finished), &mut done.statistics);
             displaced.render(&direction, &steps, &progress, statistics, |it| {
                 for (sums, image) in of_groups.iter_mut().zip(&it.groups) {
@@ -87,6 +89,7 @@ pub fn backward(
             gradient.numbers.push((target, sums));
         }
     }
+    done.statistics.notes.extend(doubt.map(String::from));
     Ok(done)
 }
 

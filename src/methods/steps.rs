@@ -68,6 +68,10 @@ pub const CARRIED_IMAGES: usize = 2;
 const LONG_STEP: f64 = 1.6;
 const LONG_STEP_SPP: f64 = 64.0;
 
+const BLUR: &str = "carried differences blur what crowds finer than a pixel hide of one another: that is small \
+                    beside this run's noise and not in its standard errors; for more than that take more \
+                    samples at once, or reparam";
+
 /// The random numbers of differences that have their own.
 const OWN_NUMBERS: u64 = 0x6469_6666_6572_0001;
 
@@ -177,17 +181,22 @@ impl Steps {
         }
     }
 
+    /// Samples of all differences over those of the first.
+    pub fn work_over_first(&self, settings: &Settings) -> f64 {
+        let samples = |d: &Central| f64::from(self.settings_of(d, settings).spp);
+        let all: f64 = self.differences.iter().map(samples).sum();
+        all / samples(&self.first().differences[0])
+    }
+
     pub fn in_words(&self) -> String {
         let steps = self.differences.iter().map(|d| d.reach * self.step);
         let steps: Vec<_> = steps.map(|by| format!("{by:.3e}")).collect();
-        let words = format!("finite differences with steps of {}", steps.join(" and "));
-        match self.carried {
-            Some(_) => format!(
-                "{words}: of crowds finer than a pixel they blur a part that is small beside this run's \
-                 noise and not in its standard errors; for more than that take more samples at once, or reparam"
-            ),
-            None => words,
-        }
+        format!("finite differences with steps of {}", steps.join(" and "))
+    }
+
+    /// What standard errors do not tell of.
+    pub fn doubt(&self) -> Option<&'static str> {
+        self.carried.is_some().then_some(BLUR)
     }
 }
 

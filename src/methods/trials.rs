@@ -120,6 +120,9 @@ impl<'a> Trials<'a> {
         };
         let variance = self.variance(&found, &look);
         let mut work = self.work(way, &found, &look);
+        if steps.carried().is_some() {
+            work *= steps.work_over_first(&self.settings);
+        }
         work += DISPLACED_VERTEX_US * steps.scenes() as f64 * self.moved_vertices()?;
         work *= self.job.differences as f64;
         self.add(way, paths, [variance, work], &found);
