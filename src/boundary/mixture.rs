@@ -46,6 +46,8 @@ pub enum OnFilm {
 pub enum OverLobes {
     #[default]
     Cells,
+    /// Cells on fewer lines over diffuse and wide lobes.
+    SeldomCells,
     /// Edges from points that rest, and cells from those that move.
     EdgesFromRest,
 }
@@ -62,6 +64,7 @@ impl<'a> Mixed<'a> {
         let cells = match mixture.lobes {
             OverLobes::EdgesFromRest => Cells::from_moving_points(adjacency, moving),
             OverLobes::Cells => Cells::new(adjacency, moving),
+            OverLobes::SeldomCells => Cells::with_few_lines(adjacency, moving),
         };
         Self {
             mixture,
@@ -114,7 +117,7 @@ impl BoundaryEstimator for Mixed<'_> {
 
     fn lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
         match self.mixture.lobes {
-            OverLobes::Cells => self.cells.lobe(at, bounce, out),
+            OverLobes::Cells | OverLobes::SeldomCells => self.cells.lobe(at, bounce, out),
             OverLobes::EdgesFromRest => {
                 let moves = at.vertices.moves;
                 self.cells.lobes_of(moves, at, bounce, out);

@@ -23,6 +23,8 @@ pub struct SearchScene<'a> {
     pub adjacency: &'a Adjacency,
     pub moving: &'a Moving,
     pub lobe_drift: Option<&'a LobeDrift>,
+    /// How often diffuse and wide lobes are searched, of what is usual.
+    pub lines_over_lobes: f32,
     pub things: &'a Things,
 }
 

@@ -44,6 +44,7 @@ impl Contender {
                 };
                 let lobes = match lobes {
                     OverLobes::Cells => "cells over lobes",
+                    OverLobes::SeldomCells => "cells on few lines over lobes",
                     OverLobes::EdgesFromRest => "edges over lobes of points at rest",
                 };
                 format!("{film}, {lobes}")

@@ -40,6 +40,9 @@ const BORDER_US: f64 = 2.5;
 /// Looks are dense that have one sample of a pixel for this many of the job.
 const DENSE: u32 = 4;
 
+/// Fewer lines over lobes are tried if more than this of the work is beside borders.
+const MOSTLY: f64 = 0.6;
+
 /// Edges over lobes are tried if no greater part of the vertices moves, as a lamp over a forest. On
 /// 147 directions by cameras and large meshes they were never better by a fifth.
 const FEW: f64 = 0.25;
@@ -178,12 +181,15 @@ impl<'a> Trials<'a> {
         [variance, work]: [f64; 2],
         found: &ForwardGradient,
     ) {
+        let rays = &found.statistics.rays;
+        let probes = [("probe", rays.get("probe").copied().unwrap_or(0))].into();
         self.done.add(Tried {
             way,
             paths,
             variance,
             work,
-            looks_over_lobes: found.statistics.rays.contains_key("bounce_cell"),
+            looks_over_lobes: rays.contains_key("bounce_cell"),
+            probes_share: self.work_of(way, &probes) / self.work_of(way, rays),
             noise: self.noise(way, found),
         });
     }
@@ -224,7 +230,8 @@ impl<'a> Trials<'a> {
             on_film,
             edges_from_rest,
         } = self.possible(paths)?;
-        let looks_over_lobes = self.done.usual().looks_over_lobes;
+        let usual = self.done.usual();
+        let (looks_over_lobes, probes_share) = (usual.looks_over_lobes, usual.probes_share);
         for film in on_film {
             self.run(Mixture { film, ..USUAL }, paths)?;
         }
@@ -232,6 +239,10 @@ impl<'a> Trials<'a> {
             Contender::Mixture(best) => best.film,
             Contender::Differences { .. } => USUAL.film,
         };
+        if looks_over_lobes && probes_share > MOSTLY {
+            let lobes = OverLobes::SeldomCells;
+            self.run(Mixture { film, lobes }, paths)?;
+        }
         if looks_over_lobes && edges_from_rest && self.few_move()? {
             let lobes = OverLobes::EdgesFromRest;
             self.run(Mixture { film, lobes }, paths)?;

@@ -22,6 +22,8 @@ pub struct Tried {
     /// Of the job, in about microseconds.
     pub work: f64,
     pub looks_over_lobes: bool,
+    /// What is looked at beside borders, in all its work.
+    pub probes_share: f64,
     /// Where the noise lies, of what has been seen.
     pub noise: NoiseMap,
 }
@@ -154,6 +156,7 @@ mod tests {
                 variance,
                 work: 2.0,
                 looks_over_lobes: false,
+                probes_share: 0.0,
                 noise: NoiseMap::default(),
             });
         }
@@ -182,6 +185,7 @@ mod tests {
                 variance,
                 work: 1.0,
                 looks_over_lobes: false,
+                probes_share: 0.0,
                 noise: NoiseMap::default(),
             });
         }
@@ -211,6 +215,7 @@ mod tests {
                 variance,
                 work: 1.0,
                 looks_over_lobes: false,
+                probes_share: 0.0,
                 noise: NoiseMap::default(),
             });
         }

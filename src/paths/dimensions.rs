@@ -102,6 +102,8 @@ pub enum Single {
     /// Where a point lies on a facet that is seen edge-on: triangle, point, axis; and, as a third
     /// of the first, whether there is one more.
     FacetPoint,
+    /// Whether a packet's diffuse and wide lobes are searched: index, depth.
+    LobeLooks,
 }
 
 /// Streams of their own, with what tells several of them apart.

@@ -35,7 +35,12 @@ fn mixtures() -> impl Iterator<Item = Mixture> {
     ];
     let lobes = [OverLobes::Cells, OverLobes::EdgesFromRest];
     let of_film = move |film| lobes.map(|lobes| Mixture { film, lobes });
-    films.into_iter().flat_map(of_film).skip(1)
+    let with_few_lines = Mixture {
+        lobes: OverLobes::SeldomCells,
+        ..Mixture::default()
+    };
+    let of_films = films.into_iter().flat_map(of_film).skip(1);
+    of_films.chain([with_few_lines])
 }
 
 const FROM_REST: Mixture = Mixture {

@@ -23,6 +23,9 @@ use crate::paths::scene_view::SceneView;
 use film::drift::Follows;
 use std::sync::OnceLock;
 
+/// Of the usual lines, where there are few.
+const FEW_LINES: f32 = 0.25;
+
 /// Changes of variables that hold the discontinuities still in cells (`docs/method.md`).
 pub struct Cells<'a> {
     adjacency: &'a Adjacency,
@@ -31,6 +34,8 @@ pub struct Cells<'a> {
     things: Things,
     /// Whether directions drift also from points that rest.
     drifts_from_rest: bool,
+    /// How often diffuse and wide lobes are searched, of what is usual.
+    lines_over_lobes: f32,
     lobe_drift: OnceLock<Option<LobeDrift>>,
 }
 
@@ -41,6 +46,7 @@ impl<'a> Cells<'a> {
             moving,
             things: Things::default(),
             drifts_from_rest: true,
+            lines_over_lobes: 1.0,
             lobe_drift: OnceLock::new(),
         }
     }
@@ -49,6 +55,15 @@ impl<'a> Cells<'a> {
     pub fn from_moving_points(adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
         Self {
             drifts_from_rest: false,
+            ..Self::new(adjacency, moving)
+        }
+    }
+
+    /// The same with fewer lines over diffuse and wide lobes, for scenes in which each meets much
+    /// that brings little.
+    pub fn with_few_lines(adjacency: &'a Adjacency, moving: &'a Moving) -> Self {
+        Self {
+            lines_over_lobes: FEW_LINES,
             ..Self::new(adjacency, moving)
         }
     }
@@ -72,6 +87,7 @@ impl<'a> Cells<'a> {
             moving: self.moving,
             things: &self.things,
             lobe_drift: self.lobe_drift.get().and_then(Option::as_ref),
+            lines_over_lobes: self.lines_over_lobes,
         }
     }
 }

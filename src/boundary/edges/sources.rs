@@ -46,6 +46,7 @@ impl<'a> Edges<'a> {
             adjacency: self.adjacency,
             moving: self.moving,
             lobe_drift: None,
+            lines_over_lobes: 1.0,
             things: &self.things,
         }
     }

@@ -22,6 +22,14 @@ const WIDE_RAD: f64 = 0.04;
 /// So many lanes of a packet and a mesh look, where crowds are.
 const IN_CROWDS: u32 = 2;
 
+/// How often a packet's diffuse and wide lobes are searched at the first vertex, by what part of
+/// that at each further one, and the least. A line costs the paths beside all that it meets, in a
+/// furnished room forty borders, and what it finds has a few hundredths of the noise there
+/// (`docs/method.md`, 5). What narrow lobes find has heavy tails, and is never thinned.
+const CHANCE: f32 = 0.5;
+const CHANCE_AT_NEXT: f32 = 0.6;
+const LEAST_CHANCE: f32 = 1.0 / 16.0;
+
 /// Finds what jumps on a line through the lobes of some lanes' vertices. One of the two families is
 /// drawn for all lanes.
 pub fn find(scene: &SearchScene, at: &At, (bounce, lanes): (&Bounce, u32), out: &mut Found) {
@@ -82,16 +90,44 @@ fn among_surfaces(search: &mut LobeSearch) {
             Some(_) => others |= 1 << lane,
         }
     }
+    among_narrow(search, narrow);
+    // Under an even sky these lines find the shadows of what lights the scene.
+    let chance = match has_constant_environment {
+        true => 1.0,
+        false => chance(search),
+    };
+    let numbers = &search.at.numbers;
+    let name = [numbers.index[0], numbers.depth, 0];
+    if numbers.stream.single(Single::LobeLooks, name) < chance {
+        among_others(search, others, 1.0 / f64::from(chance));
+    }
+}
+
+/// That of a packet's diffuse and wide lobes to be searched.
+fn chance(search: &LobeSearch) -> f32 {
+    let depth = search.at.numbers.depth as i32;
+    let chance = search.scene.lines_over_lobes * CHANCE * CHANCE_AT_NEXT.powi(depth);
+    chance.max(LEAST_CHANCE)
+}
+
+/// Lines of narrow lobes.
+fn among_narrow(search: &mut LobeSearch, narrow: u32) {
+    let vertices = search.at.vertices;
     let all = narrow != 0
         && narrow & vertices.rests & vertices.moves == 0
         && (is_wide(search, narrow) || sees_several(search, narrow & search.bounce.rays.active));
     if all {
-        lines_of_some(search, narrow, LANES as u32, 0);
+        lines_of_some(search, narrow, LANES as u32, (0, 1.0));
     } else {
-        line_of_one(search, narrow, 0);
+        line_of_one(search, narrow, (0, 1.0));
     }
+}
+
+/// Lines of diffuse and wide lobes, each of which stands for so many.
+fn among_others(search: &mut LobeSearch, mut others: u32, times: f64) {
+    let vertices = search.at.vertices;
     if !search.scene.lobe_drift.is_some_and(|drift| drift.has_crowd) {
-        line_of_one(search, others, 1);
+        line_of_one(search, others, (1, times));
         return;
     }
     let mesh_of_triangle = &search.scene.view.geometry.mesh_of_triangle;
@@ -101,19 +137,20 @@ fn among_surfaces(search: &mut LobeSearch) {
         let first = others.trailing_zeros();
         let has = |&l: &u32| others >> l & 1 == 1 && mesh(l) == mesh(first);
         let lanes = (first..LANES as u32).filter(has).fold(0, |b, l| b | 1 << l);
-        lines_of_some(search, lanes, IN_CROWDS, group);
+        lines_of_some(search, lanes, IN_CROWDS, (group, times));
         others &= !lanes;
         group += 1;
     }
 }
 
-/// A line for one of these lanes, which stands for all; `group` is one of the packet's.
-fn line_of_one(search: &mut LobeSearch, lanes: u32, group: u32) {
+/// A line for one of these lanes, which stands for all and for so many `times` as many; `group` is
+/// one of the packet's.
+fn line_of_one(search: &mut LobeSearch, lanes: u32, (group, times): (u32, f64)) {
     let number = number_of_group(search, group);
     let surroundings = search.scene.surroundings();
     let drawn = surroundings.draw(search.at.surface.x, lanes, number);
     if let Some((lane, weight)) = drawn {
-        line_of_lane(search, lane, weight);
+        line_of_lane(search, lane, weight * times);
     }
 }
 
@@ -124,8 +161,8 @@ fn number_of_group(search: &LobeSearch, group: u32) -> f32 {
     numbers.stream.single(Single::LobeLane, name)
 }
 
-/// Lines for so many of these lanes, which stand for all; `group` is one of the packet's.
-fn lines_of_some(search: &mut LobeSearch, lanes: u32, some: u32, group: u32) {
+/// Lines for so many of these lanes, likewise.
+fn lines_of_some(search: &mut LobeSearch, lanes: u32, some: u32, (group, times): (u32, f64)) {
     let count = lanes.count_ones();
     let some = some.min(count);
     let start = f64::from(number_of_group(search, group));
@@ -135,7 +172,7 @@ fn lines_of_some(search: &mut LobeSearch, lanes: u32, some: u32, group: u32) {
     let lanes = (0..LANES).filter(|&l| lanes >> l & 1 == 1);
     for (number, lane) in (0..count).zip(lanes) {
         if next.map(|n| n.min(count - 1)) == Some(number) {
-            line_of_lane(search, lane, step);
+            line_of_lane(search, lane, step * times);
             next = chosen.next();
         }
     }
