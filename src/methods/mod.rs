@@ -40,6 +40,7 @@ mod steps;
 mod tails;
 mod trials;
 mod tried;
+mod work;
 mod workers;
 
 pub use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};

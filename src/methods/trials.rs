@@ -15,6 +15,7 @@ use super::stage::Stage;
 use super::statistics::{Pilot, Statistics};
 use super::steps::Steps;
 use super::tried::{AllTried, Tried};
+use super::work::{BORDER_US, DISPLACED_VERTEX_US, work};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 use crate::picture::Image;
 use crate::scene::SceneDifferential;
@@ -30,13 +31,6 @@ const USUAL: Mixture = Mixture {
 
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
-/// To make a displaced scene, in microseconds for each vertex that moves: of four it was 0.6 and
-/// 2.3 in meshes of 150,000 and 360,000 vertices.
-const DISPLACED_VERTEX_US: f64 = 0.375;
-
-/// To find a border, beside its rays.
-const BORDER_US: f64 = 2.5;
-
 /// Looks are dense that have one sample of a pixel for this many of the job.
 const DENSE: u32 = 4;
 
@@ -239,7 +233,7 @@ impl<'a> Trials<'a> {
             Contender::Mixture(best) => best.film,
             Contender::Differences { .. } => USUAL.film,
         };
-        if looks_over_lobes && probes_share > MOSTLY {
+        if looks_over_lobes && probes_share > MOSTLY && !self.has_even_sky() {
             let lobes = OverLobes::SeldomCells;
             self.run(Mixture { film, lobes }, paths)?;
         }
@@ -248,6 +242,12 @@ impl<'a> Trials<'a> {
             self.run(Mixture { film, lobes }, paths)?;
         }
         Ok(())
+    }
+
+    /// Under which no line over a lobe is left out.
+    fn has_even_sky(&self) -> bool {
+        let environment = self.prepared.scene.environment.as_ref();
+        environment.is_some_and(|e| e.map.is_none())
     }
 
     /// Tries all that may be best; the usual has been. Differences are cheap, and what they see is
@@ -413,30 +413,6 @@ fn variance(found: &ForwardGradient) -> f64 {
         .flat_map(|image| &image.pixels)
         .flatten();
     errors.map(|e| f64::from(*e).powi(2)).sum()
-}
-
-/// About the microseconds that rays take with all that is done about them, fitted to the failure
-/// battery (`docs/method.md`, 14); that of drawn edges is a guess.
-fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: bool) -> f64 {
-    let cost = |kind: &str| match (contender, kind) {
-        (Contender::Differences { .. }, "camera") => 0.15,
-        (Contender::Differences { .. }, _) => 0.07,
-        (Contender::Mixture(_), "camera") => 0.08,
-        (Contender::Mixture(_), "shadow") => 0.3,
-        (Contender::Mixture(_), "bounce" | "sky_cell") => 0.6,
-        (Contender::Mixture(_), "light_cell" | "bounce_cell") => 0.03,
-        // Edges that are drawn have to be found first.
-        (Contender::Mixture(_), "edge") => 0.8,
-        (Contender::Mixture(_), _) => 0.3,
-    };
-    // To draw from an environment map and to look it up.
-    let of_map = |kind: &str| match kind {
-        "shadow" | "bounce" | "probe" if has_map => 0.5,
-        _ => 0.0,
-    };
-    let rays = rays.iter();
-    rays.map(|(kind, n)| (cost(kind) + of_map(kind)) * *n as f64)
-        .sum()
 }
 
 /// Says nothing of how far it is.

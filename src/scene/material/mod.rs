@@ -45,9 +45,10 @@ impl Materials {
         let tree = input.tree;
         let object = &tree.objects[index];
         let two_sided = object.plugin == "twosided";
-        let inner = inner(tree, index)?;
+        let (inner, levels) = inner(tree, index)?;
         let key = object.id.as_deref().unwrap_or(key);
-        self.inner(input, textures, inner, key, two_sided)
+        let key = format!("{key}{}", ".brdf_0".repeat(levels.saturating_sub(1)));
+        self.inner(input, textures, inner, &key, two_sided)
     }
 
     /// The same of an element that is no `twosided`, of which both sides are alike if it stands in
@@ -106,7 +107,7 @@ impl Materials {
         index: usize,
         key: &str,
     ) -> Result<(), SceneError> {
-        let inner = inner(input.tree, index)?;
+        let (inner, _) = inner(input.tree, index)?;
         if !self.by_object.contains_key(&inner) && !self.fractions.contains_key(&inner) {
             self.bsdf(input, textures, index, key)?;
         }
@@ -159,14 +160,15 @@ impl Materials {
     }
 }
 
-/// The bsdf object itself, or the one inside a `twosided`.
-fn inner(tree: &Tree, index: usize) -> Result<usize, SceneError> {
-    let object = &tree.objects[index];
-    if object.plugin == "twosided" {
-        nested(tree, object)
-    } else {
-        Ok(index)
+/// The bsdf object itself, or the one inside a `twosided`, and how many of these stand around it.
+/// One in another changes nothing: it is seen from its front on both sides.
+fn inner(tree: &Tree, mut index: usize) -> Result<(usize, usize), SceneError> {
+    let mut levels = 0;
+    while tree.objects[index].plugin == "twosided" {
+        index = nested(tree, &tree.objects[index])?;
+        levels += 1;
     }
+    Ok((index, levels))
 }
 
 /// The one bsdf inside a `twosided`.
@@ -174,7 +176,7 @@ fn nested(tree: &Tree, object: &Object) -> Result<usize, SceneError> {
     let mut found = None;
     for child in &object.children {
         let inner = &tree.objects[child.object];
-        if inner.tag != "bsdf" || inner.plugin == "twosided" {
+        if inner.tag != "bsdf" {
             return Err(cannot_stand_inside(child, inner, object));
         }
         wrappers::refuse_transmission(inner, child)?;

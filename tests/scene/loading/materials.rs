@@ -216,12 +216,15 @@ fn mixtures_and_layers_have_mitsubas_keys() {
            <float name=\"anisotropic\" value=\"0.5\"/></bsdf>\
          <bsdf type=\"normalmap\" id=\"relief\"><rgb name=\"normalmap\" value=\"0.5 0.5 1\"/>\
            <bsdf type=\"plastic\"/></bsdf>\
+         <bsdf type=\"twosided\" id=\"two\"><bsdf type=\"twosided\">\
+           <bsdf type=\"diffuse\"/></bsdf></bsdf>\
          <shape type=\"cube\" id=\"box\"><ref id=\"leaf\"/></shape>",
     );
     let find = |key: &str| warpath::scene::parameters::find(&scene, key).map(|p| p.key);
     for key in [
         "leaf.opacity.value",
         "leaf.nested_bsdf.brdf_0.reflectance.value",
+        "two.brdf_0.brdf_0.reflectance.value",
         "mix.weight.value",
         "mix.bsdf_0.reflectance.value",
         "mix.bsdf_1.eta.value",
