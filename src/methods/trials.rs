@@ -31,6 +31,7 @@ const USUAL: Mixture = Mixture {
 
 /// Where differences are so many times better than what is usual, other mixtures are not tried.
 const CLEARLY: f64 = 4.0;
+
 /// Looks are dense that have one sample of a pixel for this many of the job.
 const DENSE: u32 = 4;
 
