@@ -4,8 +4,9 @@ use crate::boundary::search_scene::SearchScene;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::estimator::Interior;
-use crate::paths::integrator::{Integrator, Start};
+use crate::paths::integrator::Integrator;
 use crate::paths::random::Stream;
+use crate::paths::start::Start;
 use crate::paths::store::TileStore;
 use crate::trace::geometry::NO_TRIANGLE;
 

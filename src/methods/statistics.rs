@@ -174,6 +174,7 @@ impl Statistics {
             ("sky_cell", counts.environment_cell),
             ("edge", counts.edge),
             ("probe", counts.probe),
+            ("relay", counts.relay),
         ];
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {
             *self.rays.entry(kind).or_default() += count;

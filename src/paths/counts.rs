@@ -16,6 +16,8 @@ pub struct Counts {
     pub edge: u64,
     /// Rays that look for and beside silhouettes, and those of the paths that go on from there.
     pub probe: u64,
+    /// Rays of the paths that are compared at relays (`paths::relay`).
+    pub relay: u64,
     /// Samples of borders that were found, one for each piece of an outline, each chain and each
     /// end of a shadow; a cell may have several.
     pub resolved: u64,
@@ -42,6 +44,7 @@ impl Counts {
             + self.environment_cell
             + self.edge
             + self.probe
+            + self.relay
     }
 }
 
@@ -55,6 +58,7 @@ impl std::ops::AddAssign for Counts {
         self.environment_cell += o.environment_cell;
         self.edge += o.edge;
         self.probe += o.probe;
+        self.relay += o.relay;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
         self.turned_round += o.turned_round;

@@ -13,6 +13,8 @@ use crate::paths::film::edge_on::EdgeOnFacets;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
+use crate::paths::spread::Spread;
+use crate::paths::start::Start;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
 use crate::paths::surface::world_bounce::Drawn;
@@ -33,28 +35,13 @@ pub struct Integrator<'a> {
     pub twin: u32,
 }
 
-/// How paths begin.
-#[derive(Clone, Copy)]
-pub struct Start {
-    pub rays: RayPacket,
-    /// The triangles that these rays meet first, if that is known.
-    pub seen: Option<[u32; LANES]>,
-    /// Number of the vertex that they lead to; 0 is the first that a camera sees.
-    pub depth: u32,
-    /// Lanes that move against what they see though nothing but the film drifts.
-    pub drifts: u32,
-    /// Whether what the first rays find emitting counts.
-    pub with_emission: bool,
-    /// Lanes of whose first vertex only the light counts that arrives between two planes
-    /// ([`BetweenPlanes`]).
-    pub between_planes: u32,
-}
-
 /// A packet of paths on its way to the next vertex.
 struct Path {
     rays: RayPacket,
     coherence: Coherence,
     throughput: V3<Lane>,
+    /// How it spreads, where an estimator wants to know what moves.
+    spread: Option<Spread>,
     /// Lanes that move against what they see.
     moves: u32,
     /// What is left behind, and the part of the directions that its lobe was drawn from.
@@ -74,12 +61,8 @@ impl Integrator<'_> {
         store: &mut TileStore,
     ) {
         let start = Start {
-            rays,
-            seen: None,
             drifts,
-            depth: 0,
-            with_emission: true,
-            between_planes: 0,
+            ..Start::of_rays(rays, 0)
         };
         self.trace(&start, stream, index, store);
         store.depths.push(store.vertices.len() as u32);
@@ -93,11 +76,13 @@ impl Integrator<'_> {
         index: &[u32; LANES],
         store: &mut TileStore,
     ) {
+        let moving = self.estimator.moving();
         let mut path = Path {
             rays: start.rays,
             coherence: Coherence::Coherent,
-            throughput: V3::splat(1.0),
-            moves: start.drifts | self.estimator.moving().map_or(0, |m| m.camera_lanes()),
+            throughput: start.throughput,
+            spread: moving.map(|_| Spread::new(&self.view.camera)),
+            moves: start.drifts | moving.map_or(0, |m| m.camera_lanes()),
             previous: None,
             drawn: None,
         };
@@ -122,6 +107,10 @@ impl Integrator<'_> {
             let surface = self.view.surface(&mut vertices);
             surface.count_turned_round(self.view, &vertices, &mut store.counts);
             self.mis_weigh_emission(&mut vertices, &path, store);
+            if let Some(spread) = &mut path.spread {
+                self.view
+                    .relay(spread, &mut vertices, &surface, numbers, store);
+            }
             let segments = depth + 2;
             if vertices.hit == 0 || segments > self.view.limits.max_depth {
                 store.vertices.push(vertices);
@@ -129,6 +118,9 @@ impl Integrator<'_> {
             }
             let bounces = self.bounces(&vertices, segments);
             self.next_event_estimation(&mut vertices, &surface, &numbers, bounces, store);
+            if depth == start.depth && !start.with_delta_lights {
+                vertices.delta_lights = [0; 2];
+            }
             let between = (start.between_planes != 0 && depth == start.depth)
                 .then(|| BetweenPlanes::new(start.between_planes, &surface));
             if let Some(between) = &between {
@@ -329,6 +321,9 @@ impl Integrator<'_> {
             let at_last = numbers.depth + 2 >= self.view.limits.max_depth;
             let to = (surface, next.direction);
             path.moves |= self.view.carry(drift, vertices, to, at_last);
+        }
+        if let Some(spread) = &mut path.spread {
+            spread.leave(vertices);
         }
         path.rays = next;
         path.throughput = vertices.throughput.times(vertices.weight) * (vertices.survival * rim);

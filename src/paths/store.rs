@@ -6,6 +6,7 @@ use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_mask;
+use crate::paths::relay::Relay;
 use crate::paths::surface::kinds::Kinds;
 use crate::paths::warp::follow::{Follow, WarpedVertex};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
@@ -75,6 +76,8 @@ pub struct Vertices {
     pub delta_lights: [u32; 2],
     /// Its sample of the environment map, likewise: one or none.
     pub environment: [u32; 2],
+    /// Which lanes are relays, as a range of the tile's list.
+    pub relays: [u32; 2],
     /// What moves, if samples do.
     pub warped: WarpedVertex,
 }
@@ -256,6 +259,7 @@ impl Default for Vertices {
             boundary: [0; 2],
             delta_lights: [0; 2],
             environment: [0; 2],
+            relays: [0; 2],
             warped: WarpedVertex::default(),
         }
     }
@@ -285,6 +289,7 @@ pub struct TileStore {
     pub twins: usize,
     /// What samples follow.
     pub follows: Vec<Follow>,
+    pub relays: Vec<Relay>,
     /// What jumps in the vertices' integrals, and then what jumps on the film.
     pub found: Found,
     /// Of `found`, what belongs to the vertices.
@@ -309,6 +314,7 @@ impl TileStore {
         self.film_paths.clear();
         self.twins = 1;
         self.follows.clear();
+        self.relays.clear();
         self.found.clear();
         self.vertex_samples = 0;
     }
@@ -333,6 +339,12 @@ impl TileStore {
     pub fn followed(&self, range: [u32; 2]) -> &[Follow] {
         let [from, to] = range.map(|i| i as usize);
         &self.follows[from..to]
+    }
+
+    /// The relays among a vertex's lanes.
+    pub fn relays(&self, vertices: &Vertices) -> &[Relay] {
+        let [from, to] = vertices.relays.map(|i| i as usize);
+        &self.relays[from..to]
     }
 
     /// What jumps in a vertex's integrals.

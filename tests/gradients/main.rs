@@ -35,6 +35,7 @@ mod needs;
 mod number_by_number;
 mod outlines;
 mod refusals;
+mod relays;
 mod second_estimator;
 mod see_through;
 mod sharp_shadows_seen;

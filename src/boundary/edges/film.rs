@@ -18,8 +18,8 @@ use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
-use crate::paths::integrator::Start;
 use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::start::Start;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
 use glam::{DVec2, DVec3, Vec3};
@@ -104,14 +104,8 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                 }
                 sides.add(i, point.crossing.kind == Kind::FacetEdge);
             }
-            let start = Start {
-                rays: view.camera.rays(from_lanes(&directions), sides.active),
-                seen: None,
-                depth: 0,
-                drifts: 0,
-                with_emission: true,
-                between_planes: 0,
-            };
+            let rays = view.camera.rays(from_lanes(&directions), sides.active);
+            let start = Start::of_rays(rays, 0);
             // Both sides share their random numbers.
             let index = std::array::from_fn(|lane| number + (lane / 2) as u32);
             number += pair.len() as u32;

@@ -13,8 +13,8 @@ use crate::paths::at::At;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN};
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
-use crate::paths::integrator::Start;
 use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::start::Start;
 
 /// Finds what jumps over the lobes that paths of some lanes were drawn from.
 pub fn find(edges: &Edges, scene: &SearchScene, (at, lanes): (&At, u32), out: &mut Found) {
@@ -127,18 +127,11 @@ fn look(
         facet_edges,
     };
     let (surface, depth) = (at.surface, at.numbers.depth);
+    let directions = from_lanes(&directions);
+    let rays = (at.view).leaving(surface.x, surface.geometric, directions, active);
     let start = Start {
-        rays: at.view.leaving(
-            surface.x,
-            surface.geometric,
-            from_lanes(&directions),
-            active,
-        ),
-        seen: None,
-        depth: depth + 1,
-        drifts: 0,
         with_emission,
-        between_planes: 0,
+        ..Start::of_rays(rays, depth + 1)
     };
     // Both sides share their random numbers.
     let stream = at

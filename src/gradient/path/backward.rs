@@ -22,6 +22,7 @@ use crate::paths::film::drift::Drift;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
+use crate::paths::relay::lanes;
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::relief::ReliefMaps;
@@ -68,11 +69,11 @@ pub(crate) struct Solved<'a> {
 /// throughput, and those that emission found by the bounce has for the earlier vertex itself.
 pub(crate) struct Returning {
     /// The derivative by the radiance of each path.
-    radiance_bar: V3<Lane>,
+    pub radiance_bar: V3<Lane>,
     pub origin: V3<Lane>,
     pub direction: V3<Lane>,
     throughput: V3<Lane>,
-    earlier: VertexBars,
+    pub earlier: VertexBars,
     /// By what the scores of the earlier vertex' sample of the environment map and of the ray are
     /// multiplied.
     scored: [V3<Lane>; 2],
@@ -163,7 +164,13 @@ impl BackwardSweep<'_> {
         if vertices.escaped != 0 {
             self.escape(vertices, before, &mut back, sums);
         }
-        let Some(here) = here else { return back };
+        let relays = store.relays(vertices);
+        let Some(here) = here else {
+            if self.wanted.attached() {
+                self.turn(relays, vertices.escaped, &mut back);
+            }
+            return back;
+        };
         let mut bars = after.earlier;
         let turning = self.bounce(
             here,
@@ -181,9 +188,9 @@ impl BackwardSweep<'_> {
             let moved = (follows, vertices.local);
             self.add_turning(here, moved, &turning, &mut bars, sums);
         }
+        let kept = masked(!lanes(relays), radiance_bar);
+        self.arriving(store, (here, before), kept, (&mut bars, &mut back), sums);
         if !self.view.lights.is_empty() {
-            let earlier = &mut back.earlier;
-            self.emission((here, before), radiance_bar, &mut bars, earlier, sums);
             self.light_sample(here, radiance_bar, &mut bars, sums);
             self.moving_light_sample(store, here, radiance_bar, &mut bars, sums);
         }
@@ -199,15 +206,35 @@ impl BackwardSweep<'_> {
                 self.environment_brings(here, sample, bar, &mut bars, sums);
             }
         }
-        self.delta_lights(store, here, radiance_bar, &mut bars, sums);
         self.boundary(store, here, radiance_bar, &mut bars, sums);
-        self.slots(here, &mut bars, sums);
-        self.choice(here, &mut bars, sums);
-        back.throughput = back.throughput + masked(vertices.hit, bars.arriving);
-        if self.wanted.attached() {
-            self.surface(here, &bars, &mut back, sums);
+        self.leave_vertex(here, &mut bars, &mut back, sums);
+        if !relays.is_empty() {
+            if self.wanted.attached() {
+                self.slide(relays, here, &mut back, sums);
+                self.turn(relays, vertices.escaped, &mut back);
+            }
+            let mut bars = VertexBars::zero();
+            let relayed = masked(lanes(relays), radiance_bar);
+            self.arriving(store, (here, before), relayed, (&mut bars, &mut back), sums);
+            self.leave_vertex(here, &mut bars, &mut back, sums);
         }
         back
+    }
+
+    /// From a vertex's cotangents to those of the ray that arrives.
+    fn leave_vertex(
+        &self,
+        here: &Solved,
+        bars: &mut VertexBars,
+        back: &mut Returning,
+        sums: &mut TileSums,
+    ) {
+        self.slots(here, bars, sums);
+        self.choice(here, bars, sums);
+        back.throughput = back.throughput + masked(here.vertices.hit, bars.arriving);
+        if self.wanted.attached() {
+            self.surface(here, bars, back, sums);
+        }
     }
 
     /// Where paths leave the scene.

@@ -9,7 +9,6 @@ use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::layered::{Layers, layered_evaluate, layered_sample};
 use crate::kernels::normal::{face_normal, shading_normal};
-use crate::kernels::relief::{relief_normal, relief_shadow};
 use crate::kernels::triangle::triangle_hit;
 use crate::lanes::{Dual, Lane, Mask, Real, V3};
 use crate::paths::boundary_sample::BoundarySample;
@@ -21,9 +20,8 @@ use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::kinds::LightKind;
 use crate::paths::surface::layers::{numbers, of_numbers, tangent};
-use crate::paths::surface::relief::{Turned, by_uv, local};
 use crate::paths::surface::texture::Lookup;
-use crate::scene::{Lens, Relief, Rgb};
+use crate::scene::{Lens, Rgb};
 
 pub(crate) type D = Dual<Lane>;
 
@@ -147,16 +145,25 @@ impl<'a> ForwardSweep<'a> {
         each: &mut impl FnMut(&BoundarySample, Rgb),
     ) -> (V3<Lane>, Option<MovingVertex<'v>>) {
         chain.follow(vertices);
-        let mut sum = V3::splat(0.0);
+        let relays = store.relays(vertices);
+        let mut sum = self.turned_rays(relays, vertices, chain);
         if vertices.escaped != 0 {
-            sum = masked(vertices.escaped, self.escape(vertices, chain, previous));
+            sum = sum + masked(vertices.escaped, self.escape(vertices, chain, previous));
         }
         if vertices.hit == 0 {
             return (sum, None);
         }
-        let here = self.moving_vertex(vertices, chain);
+        let mut here = self.moving_vertex(vertices, chain);
         if !self.view.lights.is_empty() {
             sum = sum + masked(vertices.hit, self.emission(chain, &here, previous));
+        }
+        sum = sum + self.delta_lights(store, &here);
+        if !relays.is_empty() {
+            let brings;
+            (brings, here) = self.slid(relays, here, chain);
+            sum = sum + brings;
+        }
+        if !self.view.lights.is_empty() {
             let still = !vertices.warped.light;
             sum = sum + masked(still, self.light_sample(&here));
             if vertices.warped.light != 0 {
@@ -170,7 +177,6 @@ impl<'a> ForwardSweep<'a> {
                 sum = sum + V3::select(lit, brings, V3::splat(0.0));
             }
         }
-        sum = sum + self.delta_lights(store, &here);
         for sample in store.boundary(vertices) {
             let brings = self.boundary(&store.found, sample, &here);
             each(sample, brings);
@@ -184,7 +190,11 @@ impl<'a> ForwardSweep<'a> {
     }
 
     /// The ray's end, solved again with everything moving.
-    fn moving_vertex<'v>(&self, vertices: &'v Vertices, chain: &Arriving) -> MovingVertex<'v> {
+    pub(super) fn moving_vertex<'v>(
+        &self,
+        vertices: &'v Vertices,
+        chain: &Arriving,
+    ) -> MovingVertex<'v> {
         let geometry = self.view.geometry;
         let ids = geometry.corners(&vertices.triangle);
         let corners = self.motion.corners(geometry, &ids);
@@ -258,47 +268,6 @@ impl<'a> ForwardSweep<'a> {
                 tangent: tangent.alpha,
             },
         }
-    }
-
-    /// The normal that a picture turns, where there is one.
-    fn turned(
-        &self,
-        vertices: &Vertices,
-        chain: &Arriving,
-        n: V3<D>,
-        corners: [V3<D>; 3],
-        b: [D; 2],
-    ) -> V3<D> {
-        let (value, db) = (b.map(|b| b.value), b.map(|b| b.tangent));
-        let Some(maps) = self.view.relief_maps(vertices, value) else {
-            return n;
-        };
-        let change = |relief: &Relief, turned: &Turned| self.motion.relief(relief, turned);
-        let [map, rises] = self.view.relief_change(vertices, value, db, change);
-        let slopes = maps.slopes.map(|of| of.map(constant));
-        let [du, dv] = by_uv(corners, slopes);
-        let pictures = [dual_vector(maps.map, map), dual_vector(maps.rises, rises)];
-        let facing = constant(vertices.facing);
-        let signs = maps.signs.map(constant);
-        let local = local(
-            (n, facing),
-            [du, dv],
-            pictures,
-            lane_mask(maps.bumps),
-            signs,
-        );
-        let turned = relief_normal(n, du, chain.direction, local);
-        V3::select(lane_mask(vertices.kinds.relief), turned, n)
-    }
-
-    /// The part of what is sent toward or from `w` that turned surfaces do not hide.
-    pub(crate) fn shown(&self, here: &MovingVertex, w: V3<D>, value: V3<D>) -> V3<D> {
-        let relief = here.vertices.kinds.relief;
-        if relief == 0 {
-            return value;
-        }
-        let shown = value * relief_shadow(here.base_n, here.n, w);
-        V3::select(lane_mask(relief), shown, value)
     }
 
     /// Layers and grain, with their tangents.

@@ -7,9 +7,9 @@ use crate::boundary::search_scene::SearchScene;
 use crate::lanes::LANES;
 use crate::paths::boundary_sample::Shadow;
 use crate::paths::counts::Counts;
-use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::start::Start;
 use glam::{DVec3, Vec3};
 
 /// The jump at each of some borders, up to `LANES / 2` behind as many smooth surfaces each, whose
@@ -34,20 +34,15 @@ pub fn jumps(
         }
         sides.add(i, false);
     }
-    let start = Start {
-        rays: RayPacket {
-            active: sides.active,
-            origin: from_lanes(&origins),
-            direction: from_lanes(&directions),
-            near: 0.0,
-            far: f32::INFINITY,
-        },
-        seen: None,
-        depth: depth + borders.first().map_or(0, |b| b.bends as u32),
-        drifts: 0,
-        with_emission: true,
-        between_planes: 0,
+    let rays = RayPacket {
+        active: sides.active,
+        origin: from_lanes(&origins),
+        direction: from_lanes(&directions),
+        near: 0.0,
+        far: f32::INFINITY,
     };
+    let bends = borders.first().map_or(0, |b| b.bends as u32);
+    let start = Start::of_rays(rays, depth + bends);
     let (radiance, _) = scene.probe(start, sides, stream, index, counts);
     let jump = |(i, border): (usize, &&Found)| {
         let [before, after] = [2 * i, 2 * i + 1].map(|l| lane_of(radiance, l).as_dvec3());

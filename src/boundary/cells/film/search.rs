@@ -25,9 +25,9 @@ use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN,
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
-use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::from_lanes;
+use crate::paths::start::Start;
 use crate::trace::Coherence;
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -151,13 +151,10 @@ fn searched_cells<'a>(
 /// The radiance that a packet of looks sees.
 fn look(cells: &LatticeCells, beside: &Look, stream: &Stream, counts: &mut Counts) -> V3<Lane> {
     let (directions, sides) = (from_lanes(&beside.directions), beside.sides);
+    let rays = cells.film.view.camera.rays(directions, sides.active);
     let start = Start {
-        rays: cells.film.view.camera.rays(directions, sides.active),
         seen: Some(beside.seen),
-        depth: 0,
-        drifts: 0,
-        with_emission: true,
-        between_planes: 0,
+        ..Start::of_rays(rays, 0)
     };
     let (radiance, _) = cells
         .scene

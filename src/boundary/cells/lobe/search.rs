@@ -17,9 +17,9 @@ use crate::lanes::{LANES, Lane, V3};
 use crate::paths::at::At;
 use crate::paths::bounce::BounceEnd;
 use crate::paths::counts::Counts;
-use crate::paths::integrator::Start;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
+use crate::paths::start::Start;
 use crate::trace::Coherence;
 use glam::{DVec3, Vec3};
 
@@ -177,13 +177,11 @@ fn look(
     beside: &Look,
     counts: &mut Counts,
 ) -> V3<Lane> {
+    let rays = leaving(scene, point, &beside.directions, beside.sides.active);
     let start = Start {
-        rays: leaving(scene, point, &beside.directions, beside.sides.active),
         seen: Some(beside.seen),
-        depth: here.numbers.depth + 1,
-        drifts: 0,
         with_emission: way.is_narrow,
-        between_planes: 0,
+        ..Start::of_rays(rays, here.numbers.depth + 1)
     };
     let index = [way.index; LANES];
     scene

@@ -1,0 +1,264 @@
+//! Relays: vertices that move so fast that what arrives from there is differentiated over a step.
+//!
+//! Behind small curved mirrors and lenses, at grazing bounces and in creases a vertex moves
+//! thousands of times as fast as what moves it. The derivative of all that is seen from there is
+//! multiplied with that speed, so that single paths have most of the variance. Let T be the
+//! throughput with which a path arrives at a vertex, ξ where on its triangle and from where it
+//! arrives, and L(ξ, θ) the radiance that leaves the vertex. Then
+//!
+//!   ∂(T L) = ∂T L + T (∂L/∂ξ · ∂ξ + ∂L),
+//!
+//! and nothing has to find ∂L/∂ξ in the same way as ∂L. At a relay it is found by differences of
+//! paths that leave from both sides of ξ with the same random numbers. A step is as long as ξ moves
+//! if the film moves by a part of a pixel ([`Spread`]), so that the noise is that of differences of
+//! images by such a motion. ∂L is found as everywhere, along the path and at its borders, with a ξ
+//! that rests on its triangle.
+//!
+//! Both parts are linear in what moves, so that the backward sweep can hand cotangents on. Whether a
+//! vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
+//! border. Borders of what comes before keep their weights, since steps end in the triangle's plane
+//! and not on what a path would meet there. Emission, and delta lights with the borders of their
+//! shadows, belong to what arrives. That, and that a step is no derivative, is a bias: by
+//! no more than relays bring, which is the less the smaller pixels are.
+
+use crate::lanes::{LANES, Lane, Real};
+use crate::paths::at::{At, Numbers};
+use crate::paths::estimator::Interior;
+use crate::paths::integrator::Integrator;
+use crate::paths::rays::{RayPacket, from_lanes, lane_of, splat, to_rgb};
+use crate::paths::scene_view::SceneView;
+use crate::paths::spread::Spread;
+use crate::paths::start::Start;
+use crate::paths::store::{TileStore, Vertices};
+use crate::paths::surface::vertex::Surface;
+use glam::Vec3;
+use std::array::from_fn;
+
+/// A step is as long as a vertex moves if the film moves by so many pixels. Images are compared
+/// over as long a step.
+const STEP_PIXELS: f32 = 0.16;
+/// Vertices are relays for which a step is longer than this part of the path up to there (or where
+/// paths leave the scene for another direction by as many radians),
+const FAR: f32 = 0.1;
+/// or over which a lobe turns by more than this part of its width.
+const TURN: f32 = 0.5;
+/// Steps are looked at no farther away than this part of the path up to there, and from directions
+/// that are turned by no more than this part of the cosine: what is seen is taken to change by no
+/// more over the rest of the step.
+const FARTHEST: f32 = 0.5;
+const MOST_OF_COSINE: f32 = 0.5;
+
+/// What a path brings from a relay on, throughput and all, by where and from where it arrives.
+#[derive(Clone, Copy, Debug)]
+pub struct Relay {
+    pub lane: u8,
+    /// RGB by the second and the third barycentric coordinate.
+    pub by_b: [Vec3; 2],
+    /// RGB by each world coordinate of the direction of the ray that arrives.
+    pub by_direction: [Vec3; 3],
+}
+
+/// The lanes of these.
+pub fn lanes(relays: &[Relay]) -> u32 {
+    relays.iter().fold(0, |bits, relay| bits | 1 << relay.lane)
+}
+
+impl SceneView<'_> {
+    /// Follows how the paths spread to a vertex, and finds what differences come to at those of
+    /// its lanes that are relays.
+    pub fn relay(
+        &self,
+        spread: &mut Spread,
+        vertices: &mut Vertices,
+        surface: &Surface,
+        numbers: Numbers,
+        store: &mut TileStore,
+    ) {
+        spread.arrive(self, vertices, surface);
+        // At what the camera sees directly the film has other means.
+        if numbers.depth == 0 {
+            return;
+        }
+        let first = store.relays.len() as u32;
+        self.relay_escaped(spread, vertices, store);
+        let lanes = relays(self, spread, vertices, surface);
+        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+            let at = At {
+                view: self,
+                vertices,
+                surface,
+                numbers,
+            };
+            let relay = relay(&at, lane, spread, store);
+            store.relays.push(relay);
+        }
+        vertices.relays = [first, store.relays.len() as u32];
+    }
+}
+
+impl SceneView<'_> {
+    /// The same where paths leave the scene: the map is compared over a step of their directions.
+    fn relay_escaped(&self, spread: &Spread, vertices: &Vertices, store: &mut TileStore) {
+        let environment = self.scene.environment.as_ref();
+        let Some(environment) = environment.filter(|e| e.map.is_some()) else {
+            return;
+        };
+        let turn = spread.ray_rad * STEP_PIXELS;
+        let turns = turn.gt(Lane::splat(FAR)).to_bits();
+        let lanes = turns & vertices.escaped & vertices.moves & !vertices.sampled;
+        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+            let direction = lane_of(vertices.direction, lane);
+            let length = turn.to_array()[lane];
+            let looks = length.min(MOST_OF_COSINE);
+            let beside = direction.any_orthonormal_vector();
+            let ways = [beside, direction.cross(beside)];
+            let seen = from_lanes(&from_fn(|l| {
+                let side = if l % 2 == 0 { looks } else { -looks };
+                (direction + ways[l / 2 % 2] * side).normalize()
+            }));
+            let radiance = to_rgb(self.environment_radiance(environment, seen)).map(Vec3::from);
+            let throughput = lane_of(vertices.arriving_throughput(), lane);
+            let slopes =
+                [0, 2].map(|l| throughput * (radiance[l] - radiance[l + 1]) / (2.0 * length));
+            let along = |axis: Vec3| slopes[0] * ways[0].dot(axis) + slopes[1] * ways[1].dot(axis);
+            store.relays.push(Relay {
+                lane: lane as u8,
+                by_b: [Vec3::ZERO; 2],
+                by_direction: Vec3::AXES.map(along),
+            });
+        }
+    }
+}
+
+/// The lanes that are relays. Chains end at one, but it is none of their bends. Where a picture jumps
+/// that is a border before them.
+fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surface) -> u32 {
+    let kinds = &vertices.kinds;
+    let is_far = (spread.at * STEP_PIXELS).gt(spread.length * FAR);
+    let mut lanes = is_far.to_bits();
+    if let Some(interface) = &surface.interface {
+        let turns = (spread.normal_rad + spread.ray_rad) * STEP_PIXELS;
+        lanes |= kinds.special() & turns.gt(interface.alpha * TURN).to_bits();
+    }
+    lanes &= vertices.hit & vertices.moves & !kinds.in_chains();
+    let jumps = |lane: &usize| {
+        let pattern = view.geometry.pattern(vertices.triangle[*lane]);
+        pattern.is_some_and(|pattern| !pattern.rulings.is_empty())
+    };
+    let jumping = (0..LANES).filter(|l| lanes >> l & 1 == 1).filter(jumps);
+    jumping.fold(lanes, |lanes, lane| lanes & !(1 << lane))
+}
+
+/// The rays that arrive at both ends of a step.
+struct Step {
+    way: Vec3,
+    length: f32,
+    /// Origins and directions.
+    rays: [[Vec3; 2]; 2],
+}
+
+/// Over the triangle, in two directions.
+fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
+    let corners = at.view.geometry.triangles[at.vertices.triangle[lane] as usize];
+    let [p, q, _] = corners.map(|v| at.view.geometry.positions[v as usize]);
+    let along = (q - p).normalize();
+    let ray = [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
+    let length = STEP_PIXELS * spread.at.to_array()[lane];
+    let looks = length.min(FARTHEST * spread.length.to_array()[lane]);
+    let normal = lane_of(at.surface.geometric, lane);
+    [along, normal.cross(along)].map(|way| Step {
+        way,
+        length,
+        rays: [looks, -looks].map(|by| [ray[0] + way * by, ray[1]]),
+    })
+}
+
+/// Of the direction, in two others; none where no lobe depends on it.
+fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
+    let length = STEP_PIXELS * spread.ray_rad.to_array()[lane];
+    if at.vertices.kinds.special() >> lane & 1 == 0 || length == 0.0 {
+        return None;
+    }
+    let x = lane_of(at.surface.x, lane);
+    let [origin, direction] = [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
+    let unit = direction.normalize();
+    let cos = lane_of(at.surface.geometric, lane).dot(unit).abs();
+    let looks = length.min(MOST_OF_COSINE * cos);
+    let beside = unit.any_orthonormal_vector();
+    let turned = |to: Vec3| {
+        let unit = (unit + to).normalize();
+        [x - unit * x.distance(origin), unit * direction.length()]
+    };
+    let steps = [beside, unit.cross(beside)].map(|way| Step {
+        way,
+        length: length * direction.length(),
+        rays: [looks, -looks].map(|by| turned(way * by)),
+    });
+    Some(steps)
+}
+
+/// What differences at a lane come to.
+fn relay(at: &At, lane: usize, spread: &Spread, store: &mut TileStore) -> Relay {
+    let slides = slides(at, lane, spread);
+    let turns = turns(at, lane, spread);
+    let steps: Vec<&Step> = slides.iter().chain(turns.iter().flatten()).collect();
+    let mut rays: Vec<_> = steps.iter().flat_map(|step| step.rays).collect();
+    let active = (1 << rays.len()) - 1;
+    rays.resize(LANES, rays[0]);
+    let radiance = radiance(at, lane, (active, &rays), store);
+    let slopes: Vec<Vec3> = (steps.iter().enumerate())
+        .map(|(i, step)| (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length))
+        .map(|slope| if slope.is_finite() { slope } else { Vec3::ZERO })
+        .collect();
+    let corners = at.view.geometry.triangles[at.vertices.triangle[lane] as usize];
+    let [p, q, r] = corners.map(|v| at.view.geometry.positions[v as usize]);
+    let along = |to: Vec3, of: &[usize]| -> Vec3 {
+        of.iter().map(|&i| slopes[i] * steps[i].way.dot(to)).sum()
+    };
+    let of_turns: &[usize] = if turns.is_some() { &[2, 3] } else { &[] };
+    Relay {
+        lane: lane as u8,
+        by_b: [q - p, r - p].map(|to| along(to, &[0, 1])),
+        by_direction: Vec3::AXES.map(|to| along(to, of_turns)),
+    }
+}
+
+/// The radiance that a lane's path brings from its vertex on, if it arrives there by other rays.
+fn radiance(
+    at: &At,
+    lane: usize,
+    (active, rays): (u32, &[[Vec3; 2]]),
+    store: &mut TileStore,
+) -> [Vec3; LANES] {
+    let Numbers {
+        stream,
+        index,
+        depth,
+    } = at.numbers;
+    let [origin, direction] = [0, 1].map(|i| from_lanes(&from_fn(|l| rays[l][i])));
+    let rays = RayPacket {
+        active,
+        origin,
+        direction,
+        near: 0.0,
+        far: f32::INFINITY,
+    };
+    let start = Start {
+        seen: Some([at.vertices.triangle[lane]; LANES]),
+        with_emission: false,
+        with_delta_lights: false,
+        throughput: splat(lane_of(at.vertices.arriving_throughput(), lane)),
+        ..Start::of_rays(rays, depth)
+    };
+    let integrator = Integrator {
+        view: at.view,
+        estimator: &Interior,
+        drift: None,
+        edge_on: None,
+        twin: 0,
+    };
+    let mut own = TileStore::default();
+    integrator.trace(&start, stream, &[index[lane]; LANES], &mut own);
+    store.counts.relay += own.counts.rays();
+    to_rgb(at.view.radiance(&own, &own.vertices)).map(Vec3::from)
+}
