@@ -7,17 +7,16 @@ use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
 use crate::paths::between_planes::BetweenPlanes;
 use crate::paths::bounce::{Bounce, BounceEnd};
-use crate::paths::estimator::BoundaryEstimator;
+use crate::paths::estimator::{BoundaryEstimator, Interior};
 use crate::paths::film::drift::Drift;
 use crate::paths::film::edge_on::EdgeOnFacets;
 use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, lane_mask};
 use crate::paths::scene_view::SceneView;
 use crate::paths::spread::Spread;
-use crate::paths::start::Start;
+use crate::paths::start::{Path, Start};
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
-use crate::paths::surface::world_bounce::Drawn;
 use crate::paths::warp::seam::{MapSamples, Warp, WarpedBounce};
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
@@ -33,21 +32,6 @@ pub struct Integrator<'a> {
     pub edge_on: Option<&'a EdgeOnFacets>,
     /// Which of two paths that share their random numbers but those of kernels.
     pub twin: u32,
-}
-
-/// A packet of paths on its way to the next vertex.
-struct Path {
-    rays: RayPacket,
-    coherence: Coherence,
-    throughput: V3<Lane>,
-    /// How it spreads, where an estimator wants to know what moves.
-    spread: Option<Spread>,
-    /// Lanes that move against what they see.
-    moves: u32,
-    /// What is left behind, and the part of the directions that its lobe was drawn from.
-    previous: Option<(Surface, Lane)>,
-    /// Around what the bounce was drawn, if samples move.
-    drawn: Option<Drawn>,
 }
 
 impl Integrator<'_> {
@@ -107,10 +91,7 @@ impl Integrator<'_> {
             let surface = self.view.surface(&mut vertices);
             surface.count_turned_round(self.view, &vertices, &mut store.counts);
             self.mis_weigh_emission(&mut vertices, &path, store);
-            if let Some(spread) = &mut path.spread {
-                self.view
-                    .relay(spread, &mut vertices, &surface, numbers, store);
-            }
+            self.relay(&mut path, (&mut vertices, &surface), numbers, store);
             let segments = depth + 2;
             if vertices.hit == 0 || segments > self.view.limits.max_depth {
                 store.vertices.push(vertices);
@@ -206,6 +187,30 @@ impl Integrator<'_> {
             vertices.escaped = 0;
         }
         vertices
+    }
+
+    /// Finds relays among the lanes of a vertex, if an estimator wants to know what moves.
+    fn relay(
+        &self,
+        path: &mut Path,
+        (vertices, surface): (&mut Vertices, &Surface),
+        numbers: Numbers,
+        store: &mut TileStore,
+    ) {
+        let Some(spread) = &mut path.spread else {
+            return;
+        };
+        let alone = Integrator {
+            estimator: &Interior,
+            drift: None,
+            edge_on: None,
+            ..*self
+        };
+        let trace = |start: &Start, index: &[u32; LANES], own: &mut TileStore| {
+            alone.trace(start, numbers.stream, index, own);
+        };
+        let at = (vertices, surface, numbers);
+        self.view.relay(spread, at, &trace, store);
     }
 
     /// Whether any path of the packet goes on, or at least looks for light once more.

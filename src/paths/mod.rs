@@ -27,6 +27,7 @@ pub mod radiance;
 pub mod random;
 pub mod rays;
 pub mod relay;
+pub mod relayed;
 pub mod scene_view;
 pub mod spread;
 pub mod start;

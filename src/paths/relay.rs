@@ -14,8 +14,8 @@
 //! images by such a motion. ∂L is found as everywhere, along the path and at its borders, with a ξ
 //! that rests on its triangle.
 //!
-//! Both parts are linear in what moves, so that the backward sweep can hand cotangents on. Whether a
-//! vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
+//! Both parts are linear in what moves, so that the backward sweep can hand cotangents on. Whether
+//! a vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
 //! border. Borders of what comes before keep their weights, since steps end in the triangle's plane
 //! and not on what a path would meet there. Emission, and delta lights with the borders of their
 //! shadows, belong to what arrives. That, and that a step is no derivative, is a bias: by
@@ -23,9 +23,8 @@
 
 use crate::lanes::{LANES, Lane, Real};
 use crate::paths::at::{At, Numbers};
-use crate::paths::estimator::Interior;
-use crate::paths::integrator::Integrator;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of, splat, to_rgb};
+use crate::paths::relayed::Relay;
 use crate::paths::scene_view::SceneView;
 use crate::paths::spread::Spread;
 use crate::paths::start::Start;
@@ -48,30 +47,17 @@ const TURN: f32 = 0.5;
 const FARTHEST: f32 = 0.5;
 const MOST_OF_COSINE: f32 = 0.5;
 
-/// What a path brings from a relay on, throughput and all, by where and from where it arrives.
-#[derive(Clone, Copy, Debug)]
-pub struct Relay {
-    pub lane: u8,
-    /// RGB by the second and the third barycentric coordinate.
-    pub by_b: [Vec3; 2],
-    /// RGB by each world coordinate of the direction of the ray that arrives.
-    pub by_direction: [Vec3; 3],
-}
-
-/// The lanes of these.
-pub fn lanes(relays: &[Relay]) -> u32 {
-    relays.iter().fold(0, |bits, relay| bits | 1 << relay.lane)
-}
+/// Traces the paths of a packet with the random numbers of these indices.
+type Trace<'a> = &'a dyn Fn(&Start, &[u32; LANES], &mut TileStore);
 
 impl SceneView<'_> {
     /// Follows how the paths spread to a vertex, and finds what differences come to at those of
-    /// its lanes that are relays.
+    /// its lanes that are relays; `trace` traces paths of which nothing else is asked.
     pub fn relay(
         &self,
         spread: &mut Spread,
-        vertices: &mut Vertices,
-        surface: &Surface,
-        numbers: Numbers,
+        (vertices, surface, numbers): (&mut Vertices, &Surface, Numbers),
+        trace: Trace,
         store: &mut TileStore,
     ) {
         spread.arrive(self, vertices, surface);
@@ -89,7 +75,7 @@ impl SceneView<'_> {
                 surface,
                 numbers,
             };
-            let relay = relay(&at, lane, spread, store);
+            let relay = relay(&at, lane, (spread, trace), store);
             store.relays.push(relay);
         }
         vertices.relays = [first, store.relays.len() as u32];
@@ -130,8 +116,8 @@ impl SceneView<'_> {
     }
 }
 
-/// The lanes that are relays. Chains end at one, but it is none of their bends. Where a picture jumps
-/// that is a border before them.
+/// The lanes that are relays. Chains end at one, but it is none of their bends. Where a picture
+/// jumps that is a border before them.
 fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surface) -> u32 {
     let kinds = &vertices.kinds;
     let is_far = (spread.at * STEP_PIXELS).gt(spread.length * FAR);
@@ -198,14 +184,14 @@ fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
 }
 
 /// What differences at a lane come to.
-fn relay(at: &At, lane: usize, spread: &Spread, store: &mut TileStore) -> Relay {
+fn relay(at: &At, lane: usize, (spread, trace): (&Spread, Trace), store: &mut TileStore) -> Relay {
     let slides = slides(at, lane, spread);
     let turns = turns(at, lane, spread);
     let steps: Vec<&Step> = slides.iter().chain(turns.iter().flatten()).collect();
     let mut rays: Vec<_> = steps.iter().flat_map(|step| step.rays).collect();
     let active = (1 << rays.len()) - 1;
     rays.resize(LANES, rays[0]);
-    let radiance = radiance(at, lane, (active, &rays), store);
+    let radiance = radiance(at, lane, (active, &rays, trace), store);
     let slopes: Vec<Vec3> = (steps.iter().enumerate())
         .map(|(i, step)| (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length))
         .map(|slope| if slope.is_finite() { slope } else { Vec3::ZERO })
@@ -227,14 +213,10 @@ fn relay(at: &At, lane: usize, spread: &Spread, store: &mut TileStore) -> Relay 
 fn radiance(
     at: &At,
     lane: usize,
-    (active, rays): (u32, &[[Vec3; 2]]),
+    (active, rays, trace): (u32, &[[Vec3; 2]], Trace),
     store: &mut TileStore,
 ) -> [Vec3; LANES] {
-    let Numbers {
-        stream,
-        index,
-        depth,
-    } = at.numbers;
+    let Numbers { index, depth, .. } = at.numbers;
     let [origin, direction] = [0, 1].map(|i| from_lanes(&from_fn(|l| rays[l][i])));
     let rays = RayPacket {
         active,
@@ -250,15 +232,8 @@ fn radiance(
         throughput: splat(lane_of(at.vertices.arriving_throughput(), lane)),
         ..Start::of_rays(rays, depth)
     };
-    let integrator = Integrator {
-        view: at.view,
-        estimator: &Interior,
-        drift: None,
-        edge_on: None,
-        twin: 0,
-    };
     let mut own = TileStore::default();
-    integrator.trace(&start, stream, &[index[lane]; LANES], &mut own);
+    trace(&start, &[index[lane]; LANES], &mut own);
     store.counts.relay += own.counts.rays();
     to_rgb(at.view.radiance(&own, &own.vertices)).map(Vec3::from)
 }

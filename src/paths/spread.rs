@@ -60,7 +60,7 @@ impl Spread {
         self.at = <Lane as Real>::select(moves, reached, start + angle * self.length);
         self.cos = surface.geometric.dot(to).abs() / step;
         self.cos = self.cos.max(<Lane as Real>::splat(LEAST_COSINE));
-        self.at = self.at / self.cos;
+        self.at /= self.cos;
         self.normal_rad = self.at * view.curvature(&vertices.triangle);
     }
 

@@ -1,7 +1,11 @@
-//! How paths begin.
+//! How paths begin, and what they are on their way.
 
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::RayPacket;
+use crate::paths::spread::Spread;
+use crate::paths::surface::vertex::Surface;
+use crate::paths::surface::world_bounce::Drawn;
+use crate::trace::Coherence;
 
 /// How a packet of paths begins.
 #[derive(Clone, Copy)]
@@ -38,4 +42,19 @@ impl Start {
             throughput: V3::splat(1.0),
         }
     }
+}
+
+/// A packet of paths on its way to the next vertex.
+pub struct Path {
+    pub rays: RayPacket,
+    pub coherence: Coherence,
+    pub throughput: V3<Lane>,
+    /// How it spreads, where an estimator wants to know what moves.
+    pub spread: Option<Spread>,
+    /// Lanes that move against what they see.
+    pub moves: u32,
+    /// What is left behind, and the part of the directions that its lobe was drawn from.
+    pub previous: Option<(Surface, Lane)>,
+    /// Around what the bounce was drawn, if samples move.
+    pub drawn: Option<Drawn>,
 }

@@ -6,7 +6,7 @@ use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::boundary_sample::{BoundarySample, Found};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_mask;
-use crate::paths::relay::Relay;
+use crate::paths::relayed::Relay;
 use crate::paths::surface::kinds::Kinds;
 use crate::paths::warp::follow::{Follow, WarpedVertex};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};

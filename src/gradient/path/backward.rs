@@ -22,7 +22,7 @@ use crate::paths::film::drift::Drift;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
-use crate::paths::relay::lanes;
+use crate::paths::relayed::lanes;
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::relief::ReliefMaps;

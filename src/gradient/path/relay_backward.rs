@@ -6,7 +6,7 @@ use crate::gradient::path::bars::VertexBars;
 use crate::gradient::scene::backward::TileSums;
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked};
-use crate::paths::relay::{Relay, lanes};
+use crate::paths::relayed::{Relay, lanes};
 use crate::paths::store::TileStore;
 use glam::Vec3;
 
@@ -24,8 +24,8 @@ impl BackwardSweep<'_> {
     }
 
     /// Hands what the rest of a path gave to the ray that arrives at a relay to the point of the
-    /// triangle that this moves with, and to the ray itself what differences found. Nothing else has
-    /// been handed to these rays.
+    /// triangle that this moves with, and to the ray itself what differences found. Nothing else
+    /// has been handed to these rays.
     pub(super) fn slide(
         &self,
         relays: &[Relay],

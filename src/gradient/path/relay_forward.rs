@@ -4,7 +4,7 @@ use crate::gradient::path::forward::{Arriving, D, ForwardSweep, MovingVertex, va
 use crate::gradient::scene::forward::{dual_vector, tangent_of};
 use crate::lanes::{LANES, Lane, V3};
 use crate::paths::rays::{from_lanes, lane_mask, lane_of};
-use crate::paths::relay::{Relay, lanes};
+use crate::paths::relayed::{Relay, lanes};
 use crate::paths::store::Vertices;
 use glam::Vec3;
 
