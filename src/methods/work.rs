@@ -27,7 +27,7 @@ pub fn work(contender: Contender, rays: &BTreeMap<&'static str, u64>, has_map: b
     };
     // To draw from an environment map and to look it up.
     let of_map = |kind: &str| match kind {
-        "shadow" | "bounce" | "probe" if has_map => 0.5,
+        "shadow" | "bounce" | "probe" | "relay" if has_map => 0.5,
         _ => 0.0,
     };
     let rays = rays.iter();

@@ -18,8 +18,9 @@
 //! a vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
 //! border. Borders of what comes before keep their weights, since steps end in the triangle's plane
 //! and not on what a path would meet there. Emission, and delta lights with the borders of their
-//! shadows, belong to what arrives. That, and that a step is no derivative, is a bias: by
-//! no more than relays bring, which is the less the smaller pixels are.
+//! shadows, belong to what arrives. That a step is no derivative, and that the plane goes on where
+//! the surface ends, is a bias: by no more than relays bring, which is the less the smaller pixels
+//! are.
 
 use crate::lanes::{LANES, Lane, Real};
 use crate::paths::at::{At, Numbers};
@@ -80,9 +81,7 @@ impl SceneView<'_> {
         }
         vertices.relays = [first, store.relays.len() as u32];
     }
-}
 
-impl SceneView<'_> {
     /// The same where paths leave the scene: the map is compared over a step of their directions.
     fn relay_escaped(&self, spread: &Spread, vertices: &Vertices, store: &mut TileStore) {
         let environment = self.scene.environment.as_ref();
