@@ -81,12 +81,8 @@ impl Integrator<'_> {
                 depth: depth.wrapping_sub(1),
                 ..numbers
             };
-            self.look_over_lobe(
-                &path,
-                BounceEnd::Triangles(&vertices.triangle),
-                before,
-                store,
-            );
+            let seen = BounceEnd::Triangles(&vertices.triangle);
+            self.look_over_lobe(&path, seen, before, store);
             self.view.choose(&mut vertices, &numbers);
             let surface = self.view.surface(&mut vertices);
             surface.count_turned_round(self.view, &vertices, &mut store.counts);
@@ -357,7 +353,11 @@ impl Integrator<'_> {
             return false;
         }
         let mut end = view.ends(&path.rays, path.throughput, &mut store.counts.bounce);
+        end.moves = path.moves;
         self.mis_weigh_emission(&mut end, path, store);
+        if let Some(spread) = &path.spread {
+            view.relay_escaped(spread, &mut end, store);
+        }
         self.look_over_lobe(path, BounceEnd::Environment(end.escaped), numbers, store);
         store.vertices.push(end);
         true

@@ -66,7 +66,6 @@ impl SceneView<'_> {
         if numbers.depth == 0 {
             return;
         }
-        let first = store.relays.len() as u32;
         self.relay_escaped(spread, vertices, store);
         let lanes = relays(self, spread, vertices, surface);
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
@@ -79,11 +78,12 @@ impl SceneView<'_> {
             let relay = relay(&at, lane, (spread, trace), store);
             store.relays.push(relay);
         }
-        vertices.relays = [first, store.relays.len() as u32];
+        vertices.relays[1] = store.relays.len() as u32;
     }
 
     /// The same where paths leave the scene: the map is compared over a step of their directions.
-    fn relay_escaped(&self, spread: &Spread, vertices: &Vertices, store: &mut TileStore) {
+    pub fn relay_escaped(&self, spread: &Spread, vertices: &mut Vertices, store: &mut TileStore) {
+        vertices.relays = [store.relays.len() as u32; 2];
         let environment = self.scene.environment.as_ref();
         let Some(environment) = environment.filter(|e| e.map.is_some()) else {
             return;
@@ -112,6 +112,7 @@ impl SceneView<'_> {
                 by_direction: Vec3::AXES.map(along),
             });
         }
+        vertices.relays[1] = store.relays.len() as u32;
     }
 }
 

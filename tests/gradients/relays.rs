@@ -23,43 +23,89 @@ fn small_balls() -> Scene {
 }
 
 /// Rays that are traced because vertices move fast.
-fn relayed(scene: &Scene, key: &str) -> u64 {
-    let along = direction(scene, &[(key, &MOVED)]);
+fn relayed(scene: &Scene, (key, by): (&str, &[f32])) -> u64 {
+    let along = direction(scene, &[(key, by)]);
     let settings = settings(scene, Method::Reparam, 64, 1);
     let done = forward(scene, &settings, &along, &Quiet).expect("a gradient image");
     done.statistics.rays.get("relay").copied().unwrap_or(0)
 }
 
-fn check_relayed(scene: &Scene, key: &str) {
-    assert!(relayed(scene, key) > 100, "{key}");
+fn check_relayed(scene: &Scene, (key, by): (&str, &[f32])) {
+    assert!(relayed(scene, (key, by)) > 100, "{key}");
     println!("{key}");
-    check_to(0.02, scene, &[(key, &MOVED)], 1024, Some(0.003), Fails);
+    check_to(0.02, scene, &[(key, by)], 1024, Some(0.003), Fails);
 }
 
 #[test]
 fn what_small_balls_show_is_right() {
     let scene = small_balls();
-    check_relayed(&scene, "cam.translation");
-    check_relayed(&scene, "block.translation");
+    check_relayed(&scene, ("cam.translation", &MOVED));
+    check_relayed(&scene, ("block.translation", &MOVED));
 }
 
-/// These are borders before a relay, and no part of its differences.
+/// A block and a floor behind a lens, whose index of refraction moves all that is seen.
+fn behind_a_lens() -> Scene {
+    scene(
+        vec3(0.3, -3.4, 1.9),
+        vec3(0.0, 0.3, 0.4),
+        18.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .solid("floor", floor(1.6, 0.0), [0.6, 0.5, 0.4])
+    .solid("block", block(), [0.3, 0.6, 0.5])
+    .smooth("ball", ball(3, vec3(0.1, -0.5, 0.45), 0.4), [0.5; 3])
+    .depth(4)
+    .clear("ball")
+}
+
+const BY_ETA: (&str, &[f32]) = ("ball.bsdf.eta", &[1.0]);
+
+/// A border before a relay, and no part of its differences.
 #[test]
-fn what_jumps_over_a_relay_is_found_once() {
-    let light = DeltaLightKind::Point {
-        position: vec3(-0.6, -0.9, 1.6),
-    };
-    let scene = small_balls()
-        .delta_light("bulb", light, [9.0, 8.0, 7.0])
-        .checkerboard("wall");
-    check_relayed(&scene, "cam.translation");
-    check_relayed(&scene, "block.translation");
+fn a_sharp_shadow_over_relays_is_found_once() {
+    let position = vec3(-0.6, -0.9, 2.6);
+    let light = DeltaLightKind::Point { position };
+    let scene = behind_a_lens().delta_light("bulb", light, [8.0, 7.0, 6.0]);
+    check_relayed(&scene, BY_ETA);
+}
+
+/// Likewise.
+#[test]
+fn a_picture_that_jumps_over_relays_is_found_once() {
+    let scene = lit(behind_a_lens()).checkerboard("floor");
+    check_to(0.02, &scene, &[BY_ETA], 1024, Some(0.003), Fails);
 }
 
 /// Where nothing moves that a path has met nothing is compared.
 #[test]
 fn what_rests_has_none() {
-    assert_eq!(relayed(&small_balls(), "lamp.translation"), 0);
+    assert_eq!(relayed(&small_balls(), ("lamp.translation", &MOVED)), 0);
+}
+
+/// Small mirror balls above a floor of rough metal that shows them, and they a map with a sun.
+fn balls_in_the_sun() -> Scene {
+    let ball_at = |scene: Scene, number: u8| {
+        let id = format!("ball{number}");
+        let [x, y] = [number % 3, number / 3].map(|step| 0.4 * f32::from(step) - 0.4);
+        let scene = scene.smooth(&id, ball(2, vec3(x, y, 0.25), 0.06), [0.5; 3]);
+        scene.mirror(&id)
+    };
+    let floor = small_floor().metal("floor", 0.1, Distribution::Ggx);
+    (0..9).fold(floor, ball_at).sunny().depth(3)
+}
+
+/// Where paths leave the scene the map is compared, without a ray.
+#[test]
+fn a_map_in_a_ball_of_few_pixels_is_right() {
+    let eye = vec3(0.3, -3.4, 1.9);
+    let scene = scene(eye, vec3(0.0, 0.0, 0.2), 26.0, [16; 2], GAUSSIAN)
+        .smooth("metal", ball(4, vec3(0.0, 0.0, 0.2), 0.28), [0.5; 3])
+        .mirror("metal")
+        .sunny()
+        .depth(2);
+    let parts = [("cam.translation", MOVED.as_slice())];
+    check_to(0.02, &scene, &parts, 1024, Some(0.003), Fails);
 }
 
 /// Smooth balls of glass and metal that show each other.
@@ -77,24 +123,43 @@ fn cluster() -> Scene {
     (0..16).fold(room(12), ball_at)
 }
 
-/// Without relays single paths have most of the variance: with these random numbers 3 times that of
-/// differences, and 0.16 times.
-#[test]
-fn long_chains_are_quiet() {
-    let scene = cluster();
-    let along = direction(&scene, &[("cam.translation", &MOVED)]);
+/// Variances as parts of those of differences.
+fn check_quiet(scene: &Scene) {
+    let along = direction(scene, &[("cam.translation", &MOVED)]);
     for seeds in [1..7, 200..206] {
-        let of = |method| variance(&scene, (method, 64), &along, seeds.clone());
+        let of = |method| variance(scene, (method, 64), &along, seeds.clone());
         let ratio = of(Method::Reparam) / of(Method::Fd);
         println!("{ratio}");
         assert!(ratio < 0.1, "{ratio}");
     }
 }
 
+/// Without relays single paths have most of the variance: with these random numbers 3 times that of
+/// differences, and 0.16 times.
+#[test]
+fn long_chains_are_quiet() {
+    check_quiet(&cluster());
+}
+
+/// Likewise, where the last rays of paths leave the scene.
+#[test]
+fn a_sun_in_small_balls_is_quiet() {
+    check_quiet(&balls_in_the_sun());
+}
+
 #[test]
 fn transposition() {
-    let idle =
-        ["glass", "metal", "lamp", "floor"].map(|id| format!("{id}.bsdf.brdf_0.reflectance.value"));
-    let idle: Vec<&str> = idle.iter().map(String::as_str).collect();
-    transposed(&small_balls(), Method::Reparam, &idle);
+    let idle = |ids: &[&str]| -> Vec<String> {
+        let key = |id: &&str| format!("{id}.bsdf.brdf_0.reflectance.value");
+        ids.iter().map(key).collect()
+    };
+    let transposed = |scene: &Scene, idle: Vec<String>| {
+        let idle: Vec<&str> = idle.iter().map(String::as_str).collect();
+        transposed(scene, Method::Reparam, &idle);
+    };
+    transposed(&small_balls(), idle(&["glass", "metal", "lamp", "floor"]));
+    let balls = (0..9).map(|number| format!("ball{number}"));
+    let all: Vec<String> = balls.chain(["floor".into()]).collect();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    transposed(&balls_in_the_sun(), idle(&all));
 }
