@@ -124,10 +124,10 @@ fn cluster() -> Scene {
 }
 
 /// Variances as parts of those of differences.
-fn check_quiet(scene: &Scene) {
+fn check_quiet(scene: &Scene, spp: u32) {
     let along = direction(scene, &[("cam.translation", &MOVED)]);
     for seeds in [1..7, 200..206] {
-        let of = |method| variance(scene, (method, 64), &along, seeds.clone());
+        let of = |method| variance(scene, (method, spp), &along, seeds.clone());
         let ratio = of(Method::Reparam) / of(Method::Fd);
         println!("{ratio}");
         assert!(ratio < 0.1, "{ratio}");
@@ -138,13 +138,14 @@ fn check_quiet(scene: &Scene) {
 /// differences, and 0.16 times.
 #[test]
 fn long_chains_are_quiet() {
-    check_quiet(&cluster());
+    check_quiet(&cluster(), 64);
 }
 
-/// Likewise, where the last rays of paths leave the scene.
+/// Likewise, where the last rays of paths leave the scene: 5.5 times that of differences if those
+/// are no relays.
 #[test]
 fn a_sun_in_small_balls_is_quiet() {
-    check_quiet(&balls_in_the_sun());
+    check_quiet(&balls_in_the_sun(), 256);
 }
 
 #[test]
