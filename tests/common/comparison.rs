@@ -177,6 +177,21 @@ pub fn small_floor() -> Scene {
     .solid("floor", floor(0.8, 0.0), [0.6, 0.5, 0.4])
 }
 
+/// A block and a floor behind a ball that hides most of them.
+pub fn behind_a_ball() -> Scene {
+    scene(
+        vec3(0.3, -3.4, 1.9),
+        vec3(0.0, 0.3, 0.4),
+        18.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .solid("floor", floor(1.6, 0.0), [0.6, 0.5, 0.4])
+    .solid("block", block(), [0.3, 0.6, 0.5])
+    .smooth("ball", ball(3, vec3(0.1, -0.5, 0.45), 0.4), [0.5; 3])
+    .depth(4)
+}
+
 /// A big block close to it.
 pub fn close_up() -> Scene {
     let big = placed(

@@ -43,22 +43,7 @@ fn what_small_balls_show_is_right() {
     check_relayed(&scene, ("block.translation", &MOVED));
 }
 
-/// A block and a floor behind a lens, whose index of refraction moves all that is seen.
-fn behind_a_lens() -> Scene {
-    scene(
-        vec3(0.3, -3.4, 1.9),
-        vec3(0.0, 0.3, 0.4),
-        18.0,
-        [16; 2],
-        GAUSSIAN,
-    )
-    .solid("floor", floor(1.6, 0.0), [0.6, 0.5, 0.4])
-    .solid("block", block(), [0.3, 0.6, 0.5])
-    .smooth("ball", ball(3, vec3(0.1, -0.5, 0.45), 0.4), [0.5; 3])
-    .depth(4)
-    .clear("ball")
-}
-
+/// The index of refraction moves all that is seen.
 const BY_ETA: (&str, &[f32]) = ("ball.bsdf.eta", &[1.0]);
 
 /// A border before a relay, and no part of its differences.
@@ -66,14 +51,16 @@ const BY_ETA: (&str, &[f32]) = ("ball.bsdf.eta", &[1.0]);
 fn a_sharp_shadow_over_relays_is_found_once() {
     let position = vec3(-0.6, -0.9, 2.6);
     let light = DeltaLightKind::Point { position };
-    let scene = behind_a_lens().delta_light("bulb", light, [8.0, 7.0, 6.0]);
+    let scene = behind_a_ball()
+        .clear("ball")
+        .delta_light("bulb", light, [8.0, 7.0, 6.0]);
     check_relayed(&scene, BY_ETA);
 }
 
 /// Likewise.
 #[test]
 fn a_picture_that_jumps_over_relays_is_found_once() {
-    let scene = lit(behind_a_lens()).checkerboard("floor");
+    let scene = lit(behind_a_ball().clear("ball")).checkerboard("floor");
     check_to(0.02, &scene, &[BY_ETA], 1024, Some(0.003), Fails);
 }
 

@@ -62,23 +62,10 @@ fn in_a_flat_mirror() {
 
 #[test]
 fn in_a_curved_mirror_and_through_a_lens() {
-    let seen = || {
-        scene(
-            vec3(0.3, -3.4, 1.9),
-            vec3(0.0, 0.3, 0.4),
-            18.0,
-            [16; 2],
-            GAUSSIAN,
-        )
-        .solid("floor", floor(1.6, 0.0), [0.6, 0.5, 0.4])
-        .solid("block", block(), [0.3, 0.6, 0.5])
-        .smooth("ball", ball(3, vec3(0.1, -0.5, 0.45), 0.4), [0.5; 3])
-        .depth(4)
-    };
-    let mirror = bulb(seen().mirror("ball"));
+    let mirror = bulb(behind_a_ball().mirror("ball"));
     checked(&mirror, "block.translation", &MOVED, 0.03);
     checked(&mirror, "ball.translation", &MOVED, 0.03);
-    let lens = sun(seen().clear("ball"));
+    let lens = sun(behind_a_ball().clear("ball"));
     checked(&lens, "block.translation", &MOVED, 0.03);
     // Few paths hold what changes.
     let by_eta = [("ball.bsdf.eta", [1.0].as_slice())];
