@@ -16,11 +16,11 @@
 //!
 //! Both parts are linear in what moves, so that the backward sweep can hand cotangents on. Whether
 //! a vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
-//! border. Borders of what comes before keep their weights, since steps end in the triangle's plane
-//! and not on what a path would meet there. Emission, and delta lights with the borders of their
-//! shadows, belong to what arrives. That a step is no derivative, and that the plane goes on where
-//! the surface ends, is a bias: by no more than relays bring, which is the less the smaller pixels
-//! are.
+//! border. Borders of what comes before keep their weights, since steps end on the surface or in
+//! the triangle's plane, and not on what else a path would meet there. Emission, and delta lights
+//! with the borders of their shadows, belong to what arrives. That a step is no derivative, and
+//! that the plane goes on where the surface ends, is a bias: a part of what relays bring, which is
+//! the less the smaller pixels are.
 
 use crate::lanes::{LANES, Lane, Real};
 use crate::paths::at::{At, Numbers};
@@ -31,17 +31,20 @@ use crate::paths::spread::Spread;
 use crate::paths::start::Start;
 use crate::paths::store::{TileStore, Vertices};
 use crate::paths::surface::vertex::Surface;
+use crate::trace::Coherence;
+use crate::trace::geometry::NO_TRIANGLE;
 use glam::Vec3;
 use std::array::from_fn;
 
 /// A step is as long as a vertex moves if the film moves by so many pixels. Images are compared
-/// over as long a step.
-const STEP_PIXELS: f32 = 0.16;
+/// over four times that. Here a longer step costs more: what a film brings that drifts is made of
+/// such slopes less exact ones, so that a part of each that is missing does not cancel.
+const STEP_PIXELS: f32 = 0.04;
 /// Vertices are relays for which a step is longer than this part of the path up to there (or where
 /// paths leave the scene for another direction by as many radians),
-const FAR: f32 = 0.1;
+const FAR: f32 = 0.025;
 /// or over which a lobe turns by more than this part of its width.
-const TURN: f32 = 0.5;
+const TURN: f32 = 0.125;
 /// Steps are looked at no farther away than this part of the path up to there, and from directions
 /// that are turned by no more than this part of the cosine: what is seen is taken to change by no
 /// more over the rest of the step.
@@ -159,12 +162,43 @@ fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
     })
 }
 
+/// What slides meet of a curved surface, if that is as near to the triangle's plane as they are
+/// long; else the triangle, as what they leave does not count. From outside of a lens its inside is
+/// seen through it once more.
+fn met(at: &At, lane: usize, slides: &[Step; 2]) -> [u32; LANES] {
+    let geometry = at.view.geometry;
+    let triangle = at.vertices.triangle[lane];
+    let [x, origin, direction] =
+        [at.surface.x, at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
+    let by = |l: usize| slides[l / 2 % 2].rays[l % 2][0] - origin;
+    let reach = direction.normalize() * by(0).length();
+    let rays = RayPacket {
+        active: 0b1111,
+        origin: from_lanes(&from_fn(|l| x + by(l) - reach)),
+        direction: splat(reach),
+        near: 0.0,
+        far: 2.0,
+    };
+    let is_seen_from_front = |t: u32| {
+        let [p, q, r] = geometry.triangles[t as usize].map(|v| geometry.positions[v as usize]);
+        (q - p).cross(r - p).dot(reach) < 0.0
+    };
+    let mesh = |t: u32| geometry.mesh_of_triangle[t as usize];
+    let goes_on = |t: u32| {
+        t != NO_TRIANGLE
+            && mesh(t) == mesh(triangle)
+            && is_seen_from_front(t) == is_seen_from_front(triangle)
+    };
+    let met = at.view.intersect(&rays, Coherence::Incoherent);
+    met.map(|t| if goes_on(t) { t } else { triangle })
+}
+
 /// Of the direction, in two others; none where no lobe depends on it.
 fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
-    let length = STEP_PIXELS * spread.ray_rad.to_array()[lane];
-    if at.vertices.kinds.special() >> lane & 1 == 0 || length == 0.0 {
+    if at.vertices.kinds.special() >> lane & 1 == 0 {
         return None;
     }
+    let length = STEP_PIXELS * spread.looks_rad.to_array()[lane];
     let x = lane_of(at.surface.x, lane);
     let [origin, direction] = [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
     let unit = direction.normalize();
@@ -191,7 +225,13 @@ fn relay(at: &At, lane: usize, (spread, trace): (&Spread, Trace), store: &mut Ti
     let mut rays: Vec<_> = steps.iter().flat_map(|step| step.rays).collect();
     let active = (1 << rays.len()) - 1;
     rays.resize(LANES, rays[0]);
-    let radiance = radiance(at, lane, (active, &rays, trace), store);
+    let triangles = if spread.normal_rad.to_array()[lane] > 0.0 {
+        store.counts.relay += 4;
+        met(at, lane, &slides)
+    } else {
+        [at.vertices.triangle[lane]; LANES]
+    };
+    let radiance = radiance(at, lane, (active, &rays, triangles, trace), store);
     let slopes: Vec<Vec3> = (steps.iter().enumerate())
         .map(|(i, step)| (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length))
         .map(|slope| if slope.is_finite() { slope } else { Vec3::ZERO })
@@ -213,7 +253,7 @@ fn relay(at: &At, lane: usize, (spread, trace): (&Spread, Trace), store: &mut Ti
 fn radiance(
     at: &At,
     lane: usize,
-    (active, rays, trace): (u32, &[[Vec3; 2]], Trace),
+    (active, rays, triangles, trace): (u32, &[[Vec3; 2]], [u32; LANES], Trace),
     store: &mut TileStore,
 ) -> [Vec3; LANES] {
     let Numbers { index, depth, .. } = at.numbers;
@@ -226,7 +266,7 @@ fn radiance(
         far: f32::INFINITY,
     };
     let start = Start {
-        seen: Some([at.vertices.triangle[lane]; LANES]),
+        seen: Some(triangles),
         with_emission: false,
         with_delta_lights: false,
         throughput: splat(lane_of(at.vertices.arriving_throughput(), lane)),

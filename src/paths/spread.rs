@@ -27,10 +27,15 @@ pub struct Spread {
     pub at: Lane,
     /// By how much the ray turns.
     pub ray_rad: Lane,
+    /// Over what angles it is looked at: it may turn with what moves where the film point does not
+    /// turn it.
+    pub looks_rad: Lane,
     /// By how much the shading normal turns at its end.
     pub normal_rad: Lane,
     /// Of the angle at which the ray has arrived.
     cos: Lane,
+    /// Lanes whose rays follow what they meet.
+    follows: u32,
 }
 
 impl Spread {
@@ -43,8 +48,10 @@ impl Spread {
             length: zero,
             at: Lane::splat(pixel[0]),
             ray_rad: Lane::splat(pixel[1]),
+            looks_rad: zero,
             normal_rad: zero,
             cos: zero,
+            follows: 0,
         }
     }
 
@@ -56,8 +63,11 @@ impl Spread {
         let moves = lane_mask(vertices.moves);
         let [start, angle] = self.pixel.map(Lane::splat);
         self.ray_rad = <Lane as Real>::select(moves, self.ray_rad, angle);
+        let pixel = start + angle * self.length;
+        let over = <Lane as Real>::select(lane_mask(self.follows), step, self.length);
+        self.looks_rad = self.ray_rad.max(pixel / over);
         let reached = self.at + step * self.ray_rad;
-        self.at = <Lane as Real>::select(moves, reached, start + angle * self.length);
+        self.at = <Lane as Real>::select(moves, reached, pixel);
         self.cos = surface.geometric.dot(to).abs() / step;
         self.cos = self.cos.max(<Lane as Real>::splat(LEAST_COSINE));
         self.at /= self.cos;
@@ -74,6 +84,7 @@ impl Spread {
         let turns = select(lane_mask(turned), with_normal, kept);
         let is_held = lane_mask(vertices.rests | vertices.drifts);
         self.ray_rad = select(is_held, Lane::splat(0.0), turns);
+        self.follows = vertices.drifts;
         let across = self.at * self.cos;
         self.at = select(lane_mask(kinds.in_chains()), across, self.at);
     }

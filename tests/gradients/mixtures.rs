@@ -81,6 +81,18 @@ fn few_lines_are_enough() {
     agree_with_the_usual(&scene, &along, [WITH_FEW_LINES]);
 }
 
+/// What the film's drift brings of a caustic is taken off by relays ([`crate::relays`]).
+#[test]
+fn a_film_that_follows_all_sees_caustics_right() {
+    let scene = crate::relays::caustic();
+    let along = direction(&scene, &[("ball.translation", &MOVED)]);
+    let with_all = Mixture {
+        film: OnFilm::WithAll,
+        lobes: OverLobes::Cells,
+    };
+    agree_with_the_usual(&scene, &along, [with_all]);
+}
+
 /// Holds mixtures to `reparam`.
 fn agree_with_the_usual(
     scene: &Scene,
