@@ -37,8 +37,8 @@ use glam::Vec3;
 use std::array::from_fn;
 
 /// A step is as long as a vertex moves if the film moves by so many pixels. Images are compared
-/// over four times that. Here a longer step costs more: what a film brings that drifts is made of
-/// such slopes less exact ones, so that a part of each that is missing does not cancel.
+/// over four times that. Here a long step costs more: on a film that drifts relays take off again
+/// what an exact term adds, and what a long step misses of that does not cancel.
 const STEP_PIXELS: f32 = 0.04;
 /// Vertices are relays for which a step is longer than this part of the path up to there (or where
 /// paths leave the scene for another direction by as many radians),
@@ -162,9 +162,9 @@ fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
     })
 }
 
-/// What slides meet of a curved surface, if that is as near to the triangle's plane as they are
-/// long; else the triangle, as what they leave does not count. From outside of a lens its inside is
-/// seen through it once more.
+/// The triangles of a curved surface that slides end on. Where it does not go on, no farther from
+/// the plane of the triangle than a slide is long, that is the triangle. (Paths that left a lens from
+/// that plane would enter it twice.)
 fn met(at: &At, lane: usize, slides: &[Step; 2]) -> [u32; LANES] {
     let geometry = at.view.geometry;
     let triangle = at.vertices.triangle[lane];
