@@ -163,8 +163,8 @@ fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
 }
 
 /// The triangles of a curved surface that slides end on. Where it does not go on, no farther from
-/// the plane of the triangle than a slide is long, that is the triangle. (Paths that left a lens from
-/// that plane would enter it twice.)
+/// the triangle's plane than a slide is long, that is the triangle itself. (Paths that left a lens
+/// from that plane would enter it twice.)
 fn met(at: &At, lane: usize, slides: &[Step; 2]) -> [u32; LANES] {
     let geometry = at.view.geometry;
     let triangle = at.vertices.triangle[lane];
