@@ -52,7 +52,7 @@ pub fn caustic() -> Scene {
 }
 
 /// Bounces from the floor follow the ball: they turn, and where they meet it does not slide. By
-/// −0.26 ± 0.03 wrong when relays took them not to turn, over longer steps in a plane.
+/// −0.25 ± 0.03 wrong if relays take them not to turn.
 #[test]
 fn what_turns_toward_a_relay_is_right() {
     let moved: (&str, &[f32]) = ("ball.translation", &MOVED);
