@@ -24,7 +24,7 @@
 
 use crate::lanes::{LANES, Lane, Real};
 use crate::paths::at::{At, Numbers};
-use crate::paths::rays::{RayPacket, from_lanes, lane_of, splat, to_rgb};
+use crate::paths::rays::{RayPacket, from_lanes, lane_of, to_rgb};
 use crate::paths::relayed::Relay;
 use crate::paths::scene_view::SceneView;
 use crate::paths::spread::Spread;
@@ -71,15 +71,14 @@ impl SceneView<'_> {
         }
         self.relay_escaped(spread, vertices, store);
         let lanes = relays(self, spread, vertices, surface);
-        for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
-            let at = At {
-                view: self,
-                vertices,
-                surface,
-                numbers,
-            };
-            let relay = relay(&at, lane, (spread, trace), store);
-            store.relays.push(relay);
+        let at = At {
+            view: self,
+            vertices,
+            surface,
+            numbers,
+        };
+        for packet in packets(&at, lanes, spread) {
+            relay_packet(&at, packet, (spread, trace), store);
         }
         vertices.relays[1] = store.relays.len() as u32;
     }
@@ -138,59 +137,66 @@ fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surf
     jumping.fold(lanes, |lanes, lane| lanes & !(1 << lane))
 }
 
-/// The rays that arrive at both ends of a step.
+/// A step, and what arrives at both of its ends.
 struct Step {
+    lane: usize,
+    changes: Changed,
     way: Vec3,
     length: f32,
-    /// Origins and directions.
-    rays: [[Vec3; 2]; 2],
+    ends: [End; 2],
+}
+
+/// What a step changes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Changed {
+    /// Where on its triangle a vertex is.
+    Place,
+    /// The direction from which the path arrives.
+    Direction,
+}
+
+#[derive(Clone, Copy)]
+struct End {
+    origin: Vec3,
+    direction: Vec3,
+    triangle: u32,
+}
+
+/// The steps of these lanes, with as many lanes in a packet as their ends leave room for.
+fn packets(at: &At, lanes: u32, spread: &Spread) -> Vec<Vec<Step>> {
+    let mut packets: Vec<Vec<Step>> = Vec::new();
+    for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
+        let turns = turns(at, lane, spread).into_iter().flatten();
+        let steps: Vec<Step> = slides(at, lane, spread).into_iter().chain(turns).collect();
+        match packets.last_mut() {
+            Some(last) if 2 * (last.len() + steps.len()) <= LANES => last.extend(steps),
+            _ => packets.push(steps),
+        }
+    }
+    packets
 }
 
 /// Over the triangle, in two directions.
 fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
-    let corners = at.view.geometry.triangles[at.vertices.triangle[lane] as usize];
+    let triangle = at.vertices.triangle[lane];
+    let corners = at.view.geometry.triangles[triangle as usize];
     let [p, q, _] = corners.map(|v| at.view.geometry.positions[v as usize]);
     let along = (q - p).normalize();
-    let ray = [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
+    let [origin, direction] = arriving(at, lane);
     let length = STEP_PIXELS * spread.at.to_array()[lane];
     let looks = length.min(FARTHEST * spread.length.to_array()[lane]);
     let normal = lane_of(at.surface.geometric, lane);
     [along, normal.cross(along)].map(|way| Step {
+        lane,
+        changes: Changed::Place,
         way,
         length,
-        rays: [looks, -looks].map(|by| [ray[0] + way * by, ray[1]]),
+        ends: [looks, -looks].map(|by| End {
+            origin: origin + way * by,
+            direction,
+            triangle,
+        }),
     })
-}
-
-/// The triangles of a curved surface that slides end on. Where it does not go on, no farther from
-/// the triangle's plane than a slide is long, that is the triangle itself. (Paths that left a lens
-/// from that plane would enter it twice.)
-fn met(at: &At, lane: usize, slides: &[Step; 2]) -> [u32; LANES] {
-    let geometry = at.view.geometry;
-    let triangle = at.vertices.triangle[lane];
-    let [x, origin, direction] =
-        [at.surface.x, at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
-    let by = |l: usize| slides[l / 2 % 2].rays[l % 2][0] - origin;
-    let reach = direction.normalize() * by(0).length();
-    let rays = RayPacket {
-        active: 0b1111,
-        origin: from_lanes(&from_fn(|l| x + by(l) - reach)),
-        direction: splat(reach),
-        near: 0.0,
-        far: 2.0,
-    };
-    let is_seen_from_front = |t: u32| {
-        let [p, q, r] = geometry.triangles[t as usize].map(|v| geometry.positions[v as usize]);
-        (q - p).cross(r - p).dot(reach) < 0.0
-    };
-    let mesh = |t: u32| geometry.mesh_of_triangle[t as usize];
-    let goes_on = |t: u32| {
-        t != NO_TRIANGLE
-            && mesh(t) == mesh(triangle)
-            && is_seen_from_front(t) == is_seen_from_front(triangle)
-    };
-    let met = at.view.intersect(&rays, Coherence::Incoherent);
-    met.map(|t| if goes_on(t) { t } else { triangle })
 }
 
 /// Of the direction, in two others; none where no lobe depends on it.
@@ -200,80 +206,135 @@ fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
     }
     let length = STEP_PIXELS * spread.looks_rad.to_array()[lane];
     let x = lane_of(at.surface.x, lane);
-    let [origin, direction] = [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane));
+    let [origin, direction] = arriving(at, lane);
     let unit = direction.normalize();
     let cos = lane_of(at.surface.geometric, lane).dot(unit).abs();
     let looks = length.min(MOST_OF_COSINE * cos);
     let beside = unit.any_orthonormal_vector();
     let turned = |to: Vec3| {
         let unit = (unit + to).normalize();
-        [x - unit * x.distance(origin), unit * direction.length()]
+        End {
+            origin: x - unit * x.distance(origin),
+            direction: unit * direction.length(),
+            triangle: at.vertices.triangle[lane],
+        }
     };
     let steps = [beside, unit.cross(beside)].map(|way| Step {
+        lane,
+        changes: Changed::Direction,
         way,
         length: length * direction.length(),
-        rays: [looks, -looks].map(|by| turned(way * by)),
+        ends: [looks, -looks].map(|by| turned(way * by)),
     });
     Some(steps)
 }
 
-/// What differences at a lane come to.
-fn relay(at: &At, lane: usize, (spread, trace): (&Spread, Trace), store: &mut TileStore) -> Relay {
-    let slides = slides(at, lane, spread);
-    let turns = turns(at, lane, spread);
-    let steps: Vec<&Step> = slides.iter().chain(turns.iter().flatten()).collect();
-    let mut rays: Vec<_> = steps.iter().flat_map(|step| step.rays).collect();
-    let active = (1 << rays.len()) - 1;
-    rays.resize(LANES, rays[0]);
-    let triangles = if spread.normal_rad.to_array()[lane] > 0.0 {
-        store.counts.relay += 4;
-        met(at, lane, &slides)
-    } else {
-        [at.vertices.triangle[lane]; LANES]
-    };
-    let radiance = radiance(at, lane, (active, &rays, triangles, trace), store);
-    let slopes: Vec<Vec3> = (steps.iter().enumerate())
-        .map(|(i, step)| (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length))
-        .map(|slope| if slope.is_finite() { slope } else { Vec3::ZERO })
-        .collect();
-    let corners = at.view.geometry.triangles[at.vertices.triangle[lane] as usize];
-    let [p, q, r] = corners.map(|v| at.view.geometry.positions[v as usize]);
-    let along = |to: Vec3, of: &[usize]| -> Vec3 {
-        of.iter().map(|&i| slopes[i] * steps[i].way.dot(to)).sum()
-    };
-    let of_turns: &[usize] = if turns.is_some() { &[2, 3] } else { &[] };
-    Relay {
-        lane: lane as u8,
-        by_b: [q - p, r - p].map(|to| along(to, &[0, 1])),
-        by_direction: Vec3::AXES.map(|to| along(to, of_turns)),
+/// Origin and direction of the ray that a path arrives by.
+fn arriving(at: &At, lane: usize) -> [Vec3; 2] {
+    [at.vertices.origin, at.vertices.direction].map(|v| lane_of(v, lane))
+}
+
+/// One ray for each end of these steps.
+fn rays(steps: &[Step], ray: impl Fn(usize, &End) -> [Vec3; 2]) -> RayPacket {
+    let ends = |step: &Step| [0, 1].map(|end| ray(step.lane, &step.ends[end]));
+    let rays: Vec<_> = steps.iter().flat_map(ends).collect();
+    let part = |of: usize| from_lanes(&from_fn(|l| rays[l.min(rays.len() - 1)][of]));
+    RayPacket {
+        active: (1 << rays.len()) - 1,
+        origin: part(0),
+        direction: part(1),
+        near: 0.0,
+        far: f32::INFINITY,
     }
 }
 
-/// The radiance that a lane's path brings from its vertex on, if it arrives there by other rays.
-fn radiance(
-    at: &At,
-    lane: usize,
-    (active, rays, triangles, trace): (u32, &[[Vec3; 2]], [u32; LANES], Trace),
-    store: &mut TileStore,
-) -> [Vec3; LANES] {
-    let Numbers { index, depth, .. } = at.numbers;
-    let [origin, direction] = [0, 1].map(|i| from_lanes(&from_fn(|l| rays[l][i])));
+/// Has slides over curved surfaces end on the surface. Where that does not go on, no farther from
+/// the triangle's plane than a slide is long, they end in the plane. (Paths that left a lens from
+/// there would enter it twice.)
+fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) {
+    let geometry = at.view.geometry;
+    let curved = spread.normal_rad.gt(Lane::splat(0.0)).to_bits();
+    let slides = |step: &Step| step.changes == Changed::Place && curved >> step.lane & 1 == 1;
+    let active = steps.iter().enumerate().filter(|(_, step)| slides(step));
+    let active = active.fold(0u32, |bits, (i, _)| bits | 0b11 << (2 * i));
+    if active == 0 {
+        return;
+    }
+    store.counts.relay += u64::from(active.count_ones());
+    let through = |lane: usize, end: &End| {
+        let by = end.origin - arriving(at, lane)[0];
+        let reach = end.direction.normalize() * by.length();
+        [lane_of(at.surface.x, lane) + by - reach, reach]
+    };
     let rays = RayPacket {
         active,
-        origin,
-        direction,
-        near: 0.0,
-        far: f32::INFINITY,
+        far: 2.0,
+        ..rays(steps, through)
     };
+    let met = at.view.intersect(&rays, Coherence::Incoherent);
+    let mesh = |t: u32| geometry.mesh_of_triangle[t as usize];
+    let is_seen_from_front = |t: u32, direction: Vec3| {
+        let [p, q, r] = geometry.triangles[t as usize].map(|v| geometry.positions[v as usize]);
+        (q - p).cross(r - p).dot(direction) < 0.0
+    };
+    let ends = steps.iter_mut().flat_map(|step| &mut step.ends);
+    for (end, t) in ends.zip(met) {
+        let sides = |t: u32| (mesh(t), is_seen_from_front(t, end.direction));
+        if t != NO_TRIANGLE && sides(t) == sides(end.triangle) {
+            end.triangle = t;
+        }
+    }
+}
+
+/// Adds what differences come to over the steps of some lanes.
+fn relay_packet(
+    at: &At,
+    mut steps: Vec<Step>,
+    (spread, trace): (&Spread, Trace),
+    store: &mut TileStore,
+) {
+    meet(at, spread, &mut steps, store);
+    let radiance = radiance(at, &steps, trace, store);
+    let slope = |(i, step): (usize, &Step)| {
+        let slope = (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length);
+        if slope.is_finite() { slope } else { Vec3::ZERO }
+    };
+    let sloped = steps.iter().enumerate().map(|of| (of.1, slope(of)));
+    let sloped: Vec<(&Step, Vec3)> = sloped.collect();
+    for of_lane in sloped.chunk_by(|a, b| a.0.lane == b.0.lane) {
+        let lane = of_lane[0].0.lane;
+        let along = |changed: Changed, to: Vec3| -> Vec3 {
+            let steps = of_lane.iter().filter(|(step, _)| step.changes == changed);
+            steps.map(|(step, slope)| *slope * step.way.dot(to)).sum()
+        };
+        let corners = at.view.geometry.triangles[at.vertices.triangle[lane] as usize];
+        let [p, q, r] = corners.map(|v| at.view.geometry.positions[v as usize]);
+        store.relays.push(Relay {
+            lane: lane as u8,
+            by_b: [q - p, r - p].map(|to| along(Changed::Place, to)),
+            by_direction: Vec3::AXES.map(|to| along(Changed::Direction, to)),
+        });
+    }
+}
+
+/// The radiance that paths bring from their vertices on, if they arrive there by these rays. The
+/// ends of a lane's steps have its random numbers.
+fn radiance(at: &At, steps: &[Step], trace: Trace, store: &mut TileStore) -> [Vec3; LANES] {
+    let Numbers { index, depth, .. } = at.numbers;
+    let end_of = |l: usize| {
+        let step = &steps[(l / 2).min(steps.len() - 1)];
+        (step.lane, step.ends[l % 2])
+    };
+    let throughput = at.vertices.arriving_throughput();
     let start = Start {
-        seen: Some(triangles),
+        seen: Some(from_fn(|l| end_of(l).1.triangle)),
         with_emission: false,
         with_delta_lights: false,
-        throughput: splat(lane_of(at.vertices.arriving_throughput(), lane)),
-        ..Start::of_rays(rays, depth)
+        throughput: from_lanes(&from_fn(|l| lane_of(throughput, end_of(l).0))),
+        ..Start::of_rays(rays(steps, |_, end| [end.origin, end.direction]), depth)
     };
     let mut own = TileStore::default();
-    trace(&start, &[index[lane]; LANES], &mut own);
+    trace(&start, &from_fn(|l| index[end_of(l).0]), &mut own);
     store.counts.relay += own.counts.rays();
     to_rgb(at.view.radiance(&own, &own.vertices)).map(Vec3::from)
 }
