@@ -4,7 +4,7 @@ use crate::boundary::search_scene::SearchScene;
 use crate::discontinuity::arc::Arc;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Reservoir};
-use crate::discontinuity::walk::{Walk, walk};
+use crate::discontinuity::walk::{Fold, Walk, walk};
 use crate::paths::at::At;
 use crate::paths::counts::Counts;
 use crate::paths::leaving::OFFSET;
@@ -212,6 +212,7 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         (false, true) => (0.0, None, crossing),
         (false, false) => (0.0, None, 1.0),
     };
+    let whole_angle = direction(0.0).angle_between(direction(1.0));
     let mut passed = NO_TRIANGLE;
     for _ in 0..MAX_OCCLUDERS {
         if at >= limit && !is_open_at_one {
@@ -228,6 +229,7 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         }
         passed = triangle;
         let ends = [direction(at), direction(1.0)];
+        let start = point.leave(ends[0]).as_dvec3();
         let up_to = if at < limit { limit } else { 1.0 };
         let stop = (up_to - at) / (1.0 - at);
         let fold = match walk_over(scene, point, (triangle, stop), ends) {
@@ -241,7 +243,7 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
             _ => return lost(at, counts),
         };
         let crossing = at + fold.s.max(0.0) * (1.0 - at);
-        at = crossing + PROBE;
+        at = crossing + past(view.geometry, &fold, start, whole_angle);
         end = Some(OccluderEnd {
             edge: fold.edge,
             along: Some(fold.along),
@@ -249,6 +251,14 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
         });
     }
     lost(at, counts)
+}
+
+/// How far past a silhouette the next occluder is looked for, as a part of the interval. Where the
+/// edge is so near that single precision takes it for elsewhere, as under a sheet that lies on a
+/// table, that is farther.
+fn past(geometry: &Geometry, fold: &Fold, start: DVec3, whole_angle: f64) -> f64 {
+    let least = nearest_angle(geometry, fold.point, start) / whole_angle;
+    PROBE.max(least.min(MOST_PROBE))
 }
 
 /// Where what hides coordinate `from` ends, if coordinate 1 is open; an end beyond it else.
