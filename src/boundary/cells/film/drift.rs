@@ -6,15 +6,16 @@
 //! borders to find, on the film and in what its vertices see, and they move about as the points do.
 //! Before an environment map it does so everywhere if the camera moves and paths are long, since
 //! the whole world rests then. Where it meets a mesh with detail that sees itself (`detail`), or
-//! with fine pictures (`pictures`), it follows what it hits of that. Elsewhere the node rests. The
-//! few borders there are found for sure, and an image's noise would be worse than theirs.
+//! with fine pictures (`pictures`), or one that lies upon another (`contact`), it follows what it
+//! hits of that. Elsewhere the node rests. The few borders there are found for sure, and an image's
+//! noise would be worse than theirs.
 //!
 //! That is what mostly pays. Over a ball of smooth normals that rests on the film they turn by one
 //! over the cosine at which a facet is seen, and a few facets that are seen edge-on have most of
 //! the variance once samples meet them; over one of even light following has hundreds of times the
 //! variance of rest. So a pilot may also try to follow all ([`Follows`]).
 
-use super::{detail, pictures};
+use super::{contact, detail, pictures};
 use crate::boundary::search_scene::SearchScene;
 use crate::lanes::LANES;
 use crate::paths::estimator::WholeFilm;
@@ -127,6 +128,7 @@ fn worth_following(
         return hits;
     }
     let mut meshes = pictures::meshes(scene, &hits);
+    meshes.append(&mut contact::meshes(scene, directions, &hits));
     if asks_for_detail(scene) {
         meshes.append(&mut detail::meshes(
             scene,

@@ -1,6 +1,7 @@
 //! Where the radiance jumps on the film.
 
 pub mod cell;
+mod contact;
 pub mod crowds;
 mod detail;
 pub mod drift;
