@@ -39,6 +39,7 @@ mod relays;
 mod second_estimator;
 mod see_through;
 mod sharp_shadows_seen;
+mod sheets;
 mod sheets_in_mirrors;
 mod smooth_in_mixtures;
 mod smooth_reliefs;
