@@ -10,7 +10,8 @@
 //! 1/h in the variance where single edges come by, and with 1/h² where there are so many that a
 //! sample sees something else at every step. There differences have an error, too, whatever the
 //! filter is: a leaf behind others comes and goes within a small part of a pixel, and its
-//! derivative with it. So above 64 samples a pixel the step falls with the fourth root of their
+//! derivative with it, and where a body turns its outline passes on from one edge to the next. So
+//! above 64 samples a pixel the step falls with the fourth root of their
 //! number, which keeps that error a small part of the noise.
 
 use super::carried;
@@ -68,9 +69,10 @@ pub const CARRIED_IMAGES: usize = 2;
 const LONG_STEP: f64 = 1.6;
 const LONG_STEP_SPP: f64 = 64.0;
 
-const BLUR: &str = "carried differences blur what crowds finer than a pixel hide of one another: that is small \
-                    beside this run's noise and not in its standard errors; for more than that take more \
-                    samples at once, or reparam";
+const BLUR: &str = "carried differences blur what changes within their step, as where crowds finer than a pixel \
+                    hide one another or an outline passes on to another edge: that is mostly small beside this \
+                    run's noise, and not in its standard errors; for more than that take more samples at once, or \
+                    reparam";
 
 /// The random numbers of differences that have their own.
 const OWN_NUMBERS: u64 = 0x6469_6666_6572_0001;

@@ -16,7 +16,7 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What is nearer than so many pixels are wide lies upon another.
-const NEAR_PIXELS: f64 = 0.5;
+const NEAR_PIXELS: f64 = 0.25;
 
 /// A point that a node sees, and its triangle's plane.
 struct Seen {
@@ -41,7 +41,7 @@ impl Seen {
     }
 }
 
-/// The meshes that move and lie upon others, as most of these points say that see both; `directions`
+/// The meshes that move and lie upon others, as most of these points say that see both. Directions
 /// are those of the camera's rays.
 pub fn meshes(scene: &SearchScene, directions: &[DVec3; LANES], hits: &[Hit]) -> BTreeSet<u32> {
     let seen: Vec<Seen> = hits.iter().map(|hit| see(scene, directions, hit)).collect();
