@@ -13,7 +13,9 @@ use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points};
 use crate::boundary::cells::lobe::families::Family;
 use crate::boundary::cells::lobe::line::above_horizon;
 use crate::boundary::light_samples;
-use crate::boundary::occlusion::{OccluderEnd, SurfacePoint, is_occluder};
+use crate::boundary::occlusion::{
+    MOST_PROBE, OccluderEnd, SurfacePoint, is_occluder, nearest_angle,
+};
 use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::{ShadowLine, Shadows};
 use crate::discontinuity::boundary::{Boundary, vector};
@@ -183,10 +185,17 @@ impl<'a> LampLine<'a> {
 
     /// The triangle of the lamp that is seen beside the end of a shadow. `None`, and counted, where
     /// one side is not open or the other not hidden: then it is no end.
-    fn beside(&self, scene: &SearchScene, psi: f64, jump: f64, counts: &mut Counts) -> Option<u32> {
+    fn beside(
+        &self,
+        scene: &SearchScene,
+        end: &OccluderEnd,
+        (psi, jump): (f64, f64),
+        counts: &mut Counts,
+    ) -> Option<u32> {
         let extent = self.points[POINTS - 1] - self.points[0];
         let offset = f64::from(self.point.clearance);
         let angle = (BESIDE * extent).max(CLEAR * offset / self.way.length());
+        let angle = angle.max(self.nearest(scene, end).min(MOST_PROBE * extent));
         let seen = [-1.0, 1.0].map(|side| {
             let at = psi + side * jump.signum() * angle;
             let toward = self.between([at, at])(0.0);
@@ -202,6 +211,14 @@ impl<'a> LampLine<'a> {
         self.lamp.patch(seen[0]).map(|_| seen[0])
     }
 
+    /// The angle at which single precision still tells rays on the two sides of an end apart.
+    fn nearest(&self, scene: &SearchScene, end: &OccluderEnd) -> f64 {
+        let geometry = scene.view.geometry;
+        let [v, w] = end.edge.map(|v| geometry.positions[v as usize].as_dvec3());
+        let edge_point = |along: f64| nearest_angle(geometry, v.lerp(w, along), self.x);
+        end.along.map_or(0.0, edge_point)
+    }
+
     /// What the end of a shadow brings, if the lamp is seen beside it.
     fn sample(
         &self,
@@ -214,7 +231,7 @@ impl<'a> LampLine<'a> {
         let At {
             vertices, surface, ..
         } = *self.at;
-        let triangle = self.beside(scene, psi, jump, counts)?;
+        let triangle = self.beside(scene, &end, (psi, jump), counts)?;
         let patch = self.lamp.patch(triangle)?;
         let d = self.direction(psi);
         let corners = geometry.triangles[triangle as usize];
