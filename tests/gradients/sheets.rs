@@ -10,23 +10,22 @@ use warpath::scene::{Filter, Scene};
 
 const MOVED: [(&str, &[f32]); 1] = [("sheet.translation", &[1.0, 0.0, 0.0])];
 
-fn on_a_table(gap: f32, filter: Filter) -> Scene {
+fn in_the_dark(gap: f32, filter: Filter) -> Scene {
     let sheet = parallelogram(
         vec3(-0.34, -0.62, gap),
         vec3(0.96, 0.29, 0.0),
         vec3(-0.29, 0.96, 0.0),
     );
-    scene(
-        vec3(0.5, -4.0, 3.0),
-        vec3(0.0, 0.0, 0.0),
-        30.0,
-        [16; 2],
-        filter,
-    )
-    .solid("table", floor(2.0, 0.0), [0.7, 0.2, 0.1])
-    .solid("sheet", sheet, [0.25, 0.4, 0.6])
-    .light("lamp", ceiling(vec3(0.7, 0.0, 2.0), 1.0), [3.0; 3])
-    .depth(2)
+    let from = vec3(0.5, -4.0, 3.0);
+    scene(from, vec3(0.0, 0.0, 0.0), 30.0, [16; 2], filter)
+        .solid("table", floor(2.0, 0.0), [0.7, 0.2, 0.1])
+        .solid("sheet", sheet, [0.25, 0.4, 0.6])
+        .depth(2)
+}
+
+fn on_a_table(gap: f32, filter: Filter) -> Scene {
+    let lamp = ceiling(vec3(0.7, 0.0, 2.0), 1.0);
+    in_the_dark(gap, filter).light("lamp", lamp, [3.0; 3])
 }
 
 #[test]
@@ -45,11 +44,14 @@ fn transposition() {
 /// it, in single precision: half of the contact shadow's part was lost there.
 #[test]
 fn nothing_is_lost_beside_the_edge() {
-    let scene = on_a_table(1e-3, BOX);
-    let along = direction(&scene, &MOVED);
-    let settings = settings(&scene, Method::Reparam, 4096, 1);
-    let found = forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
-    assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
+    let round = ball(3, vec3(0.7, 0.0, 1.5), 0.4);
+    let under_round = in_the_dark(1e-3, BOX).light("lamp", round, [9.0; 3]);
+    for scene in [on_a_table(1e-3, BOX), under_round] {
+        let along = direction(&scene, &MOVED);
+        let settings = settings(&scene, Method::Reparam, 4096, 1);
+        let found = forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
+        assert_eq!(found.statistics.rejected.get("silhouette_not_found"), None);
+    }
 }
 
 /// Which tells, too, what following is worth.
