@@ -82,7 +82,11 @@ pub fn velocity(
     }
     let motion = Motion::without_normals(&stage.parts.geometry, &tangent);
     let sweep = ForwardSweep::new(&view, &motion, None);
-    let drift = Drift { grid, followed };
+    let drift = Drift {
+        grid,
+        followed,
+        holds_sheets: false,
+    };
     Ok(Some(drift.velocity(|f| sweep.film_velocity(f))))
 }
 

@@ -17,6 +17,7 @@ use super::steps::Steps;
 use super::tried::{AllTried, Tried};
 use super::work::{BORDER_US, DISPLACED_VERTEX_US, work};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
+use crate::paths::film::drift::Drift;
 use crate::picture::Image;
 use crate::scene::SceneDifferential;
 use crate::scene::parameters::{self, Parameter};
@@ -368,9 +369,15 @@ impl Trials<'_> {
             && stage.check_geometry_from_rest(Method::Edges).is_ok();
         let look = Look::new(prepared, settings, self.job, paths)?;
         let is_dense = DENSE * look.settings.spp >= self.job.spp;
-        let mut on_film = drifts(&stage, is_dense);
+        let usual = stage.drift_by(USUAL);
+        // A look does not meet what is rare on a film at rest.
+        let holds_sheets = usual.as_ref().is_some_and(|drift| drift.holds_sheets);
+        let mut on_film = drifts(&stage, usual, is_dense);
         if edges || edges_from_rest {
             on_film.push(OnFilm::Edges);
+        }
+        if holds_sheets {
+            on_film.clear();
         }
         Ok(Possible {
             on_film,
@@ -389,9 +396,9 @@ impl Trials<'_> {
 /// Films that drift otherwise than the usual one does, among them that at rest. Looks with far
 /// fewer samples a pixel than the job has do not show what following brings: what it costs falls
 /// soon, and what it avoids is seldom met.
-fn drifts(stage: &Stage, is_dense: bool) -> Vec<OnFilm> {
+fn drifts(stage: &Stage, usual: Option<Drift>, is_dense: bool) -> Vec<OnFilm> {
     let mut films = Vec::new();
-    let mut known = vec![stage.drift_by(USUAL)];
+    let mut known = vec![usual];
     let others: &[OnFilm] = match is_dense {
         true => &[OnFilm::Resting, OnFilm::WithAll],
         false => &[OnFilm::Resting],

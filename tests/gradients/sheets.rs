@@ -5,7 +5,7 @@ use common::scenes::*;
 use common::transposition::transposed;
 use common::{Quiet, direction, noise_ratios, settings};
 use glam::vec3;
-use warpath::methods::{Method, forward};
+use warpath::methods::{Method, Settings, forward};
 use warpath::scene::{Filter, Scene};
 
 const MOVED: [(&str, &[f32]); 1] = [("sheet.translation", &[1.0, 0.0, 0.0])];
@@ -61,4 +61,21 @@ fn following_is_less_noise() {
     let ratio = noise_ratios([&box_filter, &smooth], &MOVED, [1..33, 33..65]);
     println!("{ratio:?}");
     assert!(ratio.iter().all(|r| *r > 4.0), "{ratio:?}");
+}
+
+/// What a film at rest has most of its noise from no pilot meets: it would seem to have a hundred
+/// times the efficiency, and have five times the error.
+#[test]
+fn no_pilot_lets_the_film_rest() {
+    let scene = on_a_table(1e-4, GAUSSIAN);
+    let settings = Settings {
+        resolution: Some([64; 2]),
+        ..settings(&scene, Method::Auto, 64, 1)
+    };
+    let along = direction(&scene, &MOVED);
+    let found = forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
+    let trials = found.statistics.pilot.expect("a pilot").trials;
+    let ways: Vec<&str> = trials.iter().map(|trial| trial.way.as_str()).collect();
+    let usual = "cells on the film, cells over lobes";
+    assert_eq!(ways, [usual, "carried finite differences"]);
 }

@@ -58,6 +58,9 @@ pub struct DriftGrid {
 pub struct Drift {
     pub grid: DriftGrid,
     pub followed: Vec<Vec<Followed>>,
+    /// Whether nodes follow what lies flat upon something else: at rest a few samples that are
+    /// hardly ever met would have most of the noise.
+    pub holds_sheets: bool,
 }
 
 /// Velocities of all nodes along one direction of parameters, in pixels.

@@ -55,12 +55,18 @@ pub fn find(scene: &SearchScene, film: &WholeFilm, follows: Follows) -> Option<D
         follows,
     };
     let nodes = grid.nodes[0] * grid.nodes[1];
-    let followed: Vec<Vec<Followed>> = (0..nodes)
+    let found: Vec<Node> = (0..nodes)
         .into_par_iter()
-        .map(|node| followed(&pilot, node))
+        .map(|node| of_node(&pilot, node))
         .collect();
+    let holds_sheets = found.iter().any(|node| node.holds_sheet);
+    let followed: Vec<_> = found.into_iter().map(|node| node.followed).collect();
     let any = followed.iter().any(|f| !f.is_empty());
-    any.then_some(Drift { grid, followed })
+    any.then_some(Drift {
+        grid,
+        followed,
+        holds_sheets,
+    })
 }
 
 /// Whether there may be anything that pays.
@@ -89,46 +95,56 @@ struct Pilot<'a> {
     follows: Follows,
 }
 
-/// What a node follows.
-fn followed(pilot: &Pilot, node: usize) -> Vec<Followed> {
+/// What a node follows, and whether a sheet that lies upon something is among it.
+#[derive(Default)]
+struct Node {
+    followed: Vec<Followed>,
+    holds_sheet: bool,
+}
+
+fn of_node(pilot: &Pilot, node: usize) -> Node {
     let Pilot { scene, grid, .. } = *pilot;
     if grid.is_rim(node) {
-        return Vec::new();
+        return Node::default();
     }
     let moves = |mesh| scene.moving.moves_mesh(mesh);
     let mut seen = NodeHits::around(scene.view, &pilot.stream, (grid, node), moves);
     let hits = take(&mut seen.hits);
-    let hits = match pilot.follows {
+    let (hits, holds_sheet) = match pilot.follows {
         Follows::WhatPays => worth_following(pilot, node, &seen.directions, hits),
-        Follows::All => hits,
+        Follows::All => (hits, false),
     };
     if !hits.iter().any(|h| h.moves) {
-        return Vec::new();
+        return Node::default();
     }
     let share = 1.0 / hits.len() as f64;
     let followed = hits.iter().map(|h| seen.follow(scene.view, h, share));
-    followed.collect()
+    Node {
+        followed: followed.collect(),
+        holds_sheet,
+    }
 }
 
-/// Those of a node's hits that it follows.
+/// Those of a node's hits that it follows, and whether a sheet is among them.
 fn worth_following(
     pilot: &Pilot,
     node: usize,
     directions: &[DVec3; LANES],
     hits: Vec<Hit>,
-) -> Vec<Hit> {
+) -> (Vec<Hit>, bool) {
     let scene = pilot.scene;
     let materials = &scene.view.materials;
     let material = |h: &Hit| scene.view.scene.meshes[h.mesh as usize].material;
     let reflects = |h: &Hit| h.moves && materials.has_lobes(material(h));
     if hits.iter().any(reflects) {
-        return hits.into_iter().filter(reflects).collect();
+        return (hits.into_iter().filter(reflects).collect(), false);
     }
     if follows_all(scene) || sees_many(scene, &hits) {
-        return hits;
+        return (hits, false);
     }
-    let mut meshes = pictures::meshes(scene, &hits);
-    meshes.append(&mut contact::meshes(scene, directions, &hits));
+    let mut meshes = contact::meshes(scene, directions, &hits);
+    let holds_sheet = !meshes.is_empty();
+    meshes.append(&mut pictures::meshes(scene, &hits));
     if asks_for_detail(scene) {
         meshes.append(&mut detail::meshes(
             scene,
@@ -143,7 +159,7 @@ fn worth_following(
     }
     let is_special = |h: &Hit| h.moves && materials.is_special(material(h));
     let is_followed = |h: &Hit| is_special(h) || meshes.contains(&h.mesh);
-    hits.into_iter().filter(is_followed).collect()
+    (hits.into_iter().filter(is_followed).collect(), holds_sheet)
 }
 
 /// Whether all nodes follow all that they hit.
