@@ -12,7 +12,7 @@
 //! filter is: a leaf behind others comes and goes within a small part of a pixel, and its
 //! derivative with it, and where a body turns its outline passes on from one edge to the next. So
 //! above 64 samples a pixel the step falls with the fourth root of their number, which keeps that
-//! error a small part of the noise.
+//! error mostly a small part of the noise.
 
 use super::carried;
 use super::difference_step::{step, step_within_limits};
