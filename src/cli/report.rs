@@ -120,6 +120,10 @@ impl Report {
                 "silhouette_not_found" => losses.push(format!(
                     "{count} of {cells} cells had no silhouette found; their part of the gradient is missing"
                 )),
+                "surfaces_coincide" => losses.push(format!(
+                    "at {count} places surfaces lie in one plane, and it is chance which of them is seen: how that \
+                     changes is missing from the gradient; move them apart"
+                )),
                 "normal_turned_round" => losses.push(format!(
                     "at {count} places normals of a normalmap or bumpmap look away from the ray and are turned round; \
                      how the border of such places moves is missing from the gradient"

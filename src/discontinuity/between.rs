@@ -14,9 +14,15 @@ use crate::discontinuity::texture_edges;
 use crate::discontinuity::walk::{Fold, Walk, walk};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 
-/// There must be a silhouette between two rays, and it was not found.
-#[derive(Clone, Copy, Debug)]
-pub struct Unresolved;
+/// Why two rays see what they do was not found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unresolved {
+    /// There must be a silhouette between them.
+    Lost,
+    /// Both surfaces go on, and lie in one plane as far as single precision tells: it is chance
+    /// which of them is seen, as of the floor under what stands on it.
+    Coincident,
+}
 
 /// Halvings of a cell before it is given up.
 pub const HALVINGS: u32 = 10;
@@ -27,20 +33,22 @@ pub type CellPart = ([f64; 2], [u32; 2]);
 /// What `find` finds between two rays that see the triangles `ends`. If it finds nothing that
 /// explains them, because both go on behind something that stands between the rays, a ray between
 /// them (`seen`: what it sees) says what that is, and both halves are looked at. The parts left
-/// without an explanation are returned, too.
+/// without an explanation are returned, too, with the reason.
 pub fn between_halves<T>(
     ends: [u32; 2],
     mut seen: impl FnMut(f64) -> u32,
     mut find: impl FnMut([f64; 2], [u32; 2]) -> Result<T, Unresolved>,
-) -> (Vec<T>, Vec<CellPart>) {
+) -> (Vec<T>, Vec<(CellPart, Unresolved)>) {
     let mut found = Vec::new();
     let mut unresolved = Vec::new();
     let mut parts = vec![([0.0, 1.0], ends, 0)];
     while let Some((place @ [from, to], ends @ [a, b], halvings)) = parts.pop() {
         match find(place, ends) {
             Ok(part) => found.push(part),
-            Err(Unresolved) if halvings == HALVINGS => unresolved.push((place, ends)),
-            Err(Unresolved) => {
+            Err(why) if halvings == HALVINGS || why == Unresolved::Coincident => {
+                unresolved.push(((place, ends), why));
+            }
+            Err(_) => {
                 let middle = 0.5 * (from + to);
                 let m = seen(middle);
                 let halves = [([middle, to], [m, b]), ([from, middle], [a, m])];
@@ -99,7 +107,7 @@ pub fn between(
         (Some(Walk::Continues), Some(Walk::Continues)) => {
             return crease(geometry, arc, a, b).map(|crossing| [Some(crossing), None]);
         }
-        _ => return Err(Unresolved),
+        _ => return Err(Unresolved::Lost),
     };
 
     // The ridges up to the silhouette on the side of a, and from there on on the side of b.
@@ -158,6 +166,9 @@ fn texture_edge(
 
 /// The line in which the planes of triangles `a` and `b` meet, if it passes between the rays.
 fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Unresolved> {
+    if geometry.coincide([a, b]) {
+        return Err(Unresolved::Coincident);
+    }
     let boundary = Boundary::Crease([a, b].map(|t| geometry.triangles[t as usize]));
     let c = boundary.normal(geometry, arc.origin);
     let (at_a, at_b) = (c.dot(arc.a), c.dot(arc.b));
@@ -165,7 +176,7 @@ fn crease(geometry: &Geometry, arc: &Arc, a: u32, b: u32) -> Result<Crossing, Un
     if (0.0..=1.0).contains(&s) {
         Ok(Crossing::new(boundary, Kind::Silhouette, s))
     } else {
-        Err(Unresolved)
+        Err(Unresolved::Lost)
     }
 }
 
@@ -183,7 +194,7 @@ mod tests {
             _ => 1,
         };
         let find = |place: [f64; 2], ends: [u32; 2]| match ends {
-            [0, 1] => Err(Unresolved),
+            [0, 1] => Err(Unresolved::Lost),
             _ => Ok((place, ends)),
         };
         let (mut found, unresolved) = between_halves([0, 1], seen, find);
@@ -198,8 +209,12 @@ mod tests {
 
     #[test]
     fn what_cannot_be_explained_is_counted() {
-        let (found, unresolved) = between_halves([0, 1], |_| 0, |_, _| Err::<(), _>(Unresolved));
-        assert!(found.is_empty());
-        assert_eq!(unresolved.len(), 1);
+        let all = |why| between_halves([0, 1], |_| 0, |_, _| Err::<(), _>(why));
+        for why in [Unresolved::Lost, Unresolved::Coincident] {
+            let (found, unresolved) = all(why);
+            assert!(found.is_empty());
+            assert_eq!(unresolved.len(), 1);
+            assert_eq!(unresolved[0].1, why);
+        }
     }
 }

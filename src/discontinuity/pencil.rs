@@ -155,7 +155,7 @@ pub fn between(
                 ridges: Vec::new(),
             });
         }
-        _ => return Err(Unresolved),
+        _ => return Err(Unresolved::Lost),
     };
     before.retain(|ridge| ridge.s < fold.s);
     after.retain(|ridge| ridge.s > fold.s);
@@ -176,6 +176,9 @@ pub fn between(
 
 /// Where two surfaces pass through each other that both go on.
 fn crease(geometry: &Geometry, pencil: &Pencil, seen: [u32; 2]) -> Result<Crossing, Unresolved> {
+    if geometry.coincide(seen) {
+        return Err(Unresolved::Coincident);
+    }
     let [a, b] = seen.map(|t| geometry.triangles[t as usize]);
     let point = |v: u32| vector(geometry.positions[v as usize].as_dvec3());
     let side = |s: f64| {
@@ -184,7 +187,7 @@ fn crease(geometry: &Geometry, pencil: &Pencil, seen: [u32; 2]) -> Result<Crossi
     };
     let (low, high) = (side(0.0), side(1.0));
     if low * high >= 0.0 {
-        return Err(Unresolved);
+        return Err(Unresolved::Lost);
     }
     let s = low / (low - high);
     Ok(Crossing::new(Boundary::Crease([a, b]), Kind::Silhouette, s))

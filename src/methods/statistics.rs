@@ -185,6 +185,7 @@ impl Statistics {
             ("boundary_not_finite", counts.boundary_not_finite),
             ("gradient_not_finite", counts.gradient_not_finite),
             ("silhouette_not_found", counts.unresolved),
+            ("surfaces_coincide", counts.coincident),
             ("normal_turned_round", counts.turned_round),
         ];
         for (cause, count) in rejected.into_iter().filter(|r| r.1 > 0) {

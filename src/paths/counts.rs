@@ -1,5 +1,7 @@
 //! What was done while tiles were traced.
 
+use crate::discontinuity::between::Unresolved;
+
 /// What was done: rays traced by kind, and silhouettes that could not be found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
@@ -23,6 +25,8 @@ pub struct Counts {
     pub resolved: u64,
     /// Cells whose ends differ though no silhouette was found between them.
     pub unresolved: u64,
+    /// Cells whose ends see surfaces that coincide.
+    pub coincident: u64,
     /// Places that move where a picture's normal looked away and was turned round.
     pub turned_round: u64,
     /// Samples of the image left out because they were not finite.
@@ -34,6 +38,14 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Counts a cell between whose ends no silhouette was found.
+    pub fn miss(&mut self, why: Unresolved) {
+        match why {
+            Unresolved::Lost => self.unresolved += 1,
+            Unresolved::Coincident => self.coincident += 1,
+        }
+    }
+
     /// All rays.
     pub fn rays(&self) -> u64 {
         self.camera
@@ -61,6 +73,7 @@ impl std::ops::AddAssign for Counts {
         self.relay += o.relay;
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
+        self.coincident += o.coincident;
         self.turned_round += o.turned_round;
         self.not_finite += o.not_finite;
         self.boundary_not_finite += o.boundary_not_finite;

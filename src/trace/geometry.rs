@@ -91,6 +91,26 @@ impl Geometry {
         point.abs().max_element() + f64::from(self.unit)
     }
 
+    /// Whether one of two triangles lies in the plane of the other, as far as single precision
+    /// tells. [`NO_TRIANGLE`] lies in none.
+    pub fn coincide(&self, triangles: [u32; 2]) -> bool {
+        /// Some 16 units in the last place.
+        const ROUNDING: f64 = 1e-6;
+        if triangles.contains(&NO_TRIANGLE) {
+            return false;
+        }
+        let [a, b] = triangles.map(|t| {
+            let corners = self.triangles[t as usize];
+            corners.map(|v| self.positions[v as usize].as_dvec3())
+        });
+        let lies_in = |flat: [DVec3; 3], [p, q, r]: [DVec3; 3]| {
+            let normal = (q - p).cross(r - p).normalize();
+            let is_in = |x: DVec3| (x - p).dot(normal).abs() <= ROUNDING * self.room(x);
+            flat.into_iter().all(is_in)
+        };
+        lies_in(a, b) || lies_in(b, a)
+    }
+
     /// For each vertex of a mesh the first one at its position. It is also found while tiles are
     /// traced, when first asked for: this thread sorts alone, since one that waits for others to
     /// sort begins another tile, which would wait for what is only half found.
@@ -215,6 +235,29 @@ mod tests {
             patterns: vec![None],
             unit: 1.0,
         }
+    }
+
+    /// A small triangle in the plane of a large one, a little off it, and through it.
+    #[test]
+    fn what_lies_in_one_plane_coincides() {
+        let coincide = |heights: [f32; 3]| {
+            let mut geometry = band(2);
+            let [x, y] = [Vec3::X, Vec3::Y].map(|v| v * 100.0);
+            geometry.positions.extend([-x - y, x, y]);
+            let corners = [[0.1, 0.1], [0.2, 0.1], [0.1, 0.3]].map(Vec2::from);
+            let small = corners.iter().zip(heights).map(|(c, z)| c.extend(z));
+            geometry.positions.extend(small);
+            let first = geometry.positions.len() as u32 - 6;
+            let triangles = [0, 3].map(|from| [0, 1, 2].map(|i| first + from + i));
+            geometry.triangles.extend(triangles);
+            let last = geometry.triangles.len() as u32 - 1;
+            let both = geometry.coincide([last - 1, last]);
+            assert_eq!(both, geometry.coincide([last, last - 1]));
+            both
+        };
+        assert!(coincide([0.0; 3]) && coincide([5e-7, 0.0, -5e-7]));
+        assert!(!coincide([1e-4; 3]) && !coincide([1e-4, 0.0, -1e-4]));
+        assert!(!band(1).coincide([0, NO_TRIANGLE]));
     }
 
     /// Others have always something to do, and help whoever sorts with help.

@@ -44,6 +44,7 @@ mod sheets_in_mirrors;
 mod smooth_in_mixtures;
 mod smooth_reliefs;
 mod standard_errors;
+mod standing;
 mod transposition;
 mod transposition_ends;
 mod transposition_materials;

@@ -122,8 +122,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
         let find = |ends, triangles| self.between(cell.part(ends, triangles), choice);
         let (found, unresolved) = between_halves(cell.triangles(), seen, find);
         self.counts.probe += probes;
-        self.counts.unresolved += unresolved.len() as u64;
-        for ([from, to], seen) in unresolved {
+        for (([from, to], seen), why) in unresolved {
+            self.counts.miss(why);
             self.add_border(
                 cell,
                 Border {

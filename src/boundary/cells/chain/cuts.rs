@@ -3,7 +3,7 @@
 use super::follow::{FirstRays, Followed, pencil};
 use super::search::{Border, ChainSearch, Cut, Cuts, Found, Near, Way};
 use crate::boundary::search_scene::SearchScene;
-use crate::discontinuity::between::HALVINGS;
+use crate::discontinuity::between::{HALVINGS, Unresolved};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::Crossing;
 use crate::discontinuity::pencil::{Between, between};
@@ -71,6 +71,15 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             }
             let rays = pencil([&a, &b]);
             let between = between(view.geometry, adjacency, &rays, seen);
+            if let Err(why @ Unresolved::Coincident) = between {
+                self.counts.miss(why);
+                out.cuts.push(Cut {
+                    border: None,
+                    sides: [a, b],
+                    near: Near::None,
+                });
+                continue;
+            }
             let border = between.ok().and_then(|Between { silhouette, ridges }| {
                 let Some((crossing, near)) = silhouette else {
                     return Some((None, ridges));

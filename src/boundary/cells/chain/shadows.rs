@@ -10,7 +10,7 @@ use super::search::{ChainSearch, Found, Run, Way};
 use crate::boundary::cells::delta::follow::{OverPlane, over_plane};
 use crate::boundary::cells::delta::receiver::Receiver;
 use crate::boundary::cells::delta::rim::Rim;
-use crate::discontinuity::between::HALVINGS;
+use crate::discontinuity::between::{HALVINGS, Unresolved};
 use crate::discontinuity::boundary::Boundary;
 use crate::paths::boundary_sample::Shadow;
 use crate::paths::chain_vertex::ChainVertex;
@@ -142,6 +142,10 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                     Between::Hidden => continue,
                     ends => return ends,
                 }
+            }
+            if view.geometry.coincide([a.triangle, b.triangle]) {
+                self.counts.miss(Unresolved::Coincident);
+                return Between::Other(a.s);
             }
             if halvings == 0 {
                 if !self.is_hidden(&b, light) {

@@ -1,0 +1,73 @@
+//! Bodies through which the floor is seen that they stand on: their undersides lie in its plane,
+//! and which of the two a ray meets is chance.
+
+use common::comparison::{Interior::Fails, SKY, check_to};
+use common::materials::Paint;
+use common::scenes::*;
+use common::transposition::transposed;
+use common::{Quiet, direction, dot, gradient, settings};
+use glam::vec3;
+use warpath::methods::{Method, forward};
+use warpath::scene::Scene;
+
+const HALF: f32 = 0.5;
+
+/// A block of glass on a floor before the sky, `gap` above it.
+fn block_of_glass(gap: f32) -> Scene {
+    let block = placed(
+        cuboid(vec3(HALF, HALF, HALF)),
+        vec3(0.0, 0.0, 25.0),
+        vec3(0.1, 0.2, HALF + gap),
+    );
+    let from = vec3(0.3, -4.0, 3.0);
+    scene(from, vec3(0.0, 0.0, 0.3), 30.0, [16; 2], GAUSSIAN)
+        .solid("floor", floor(2.0, 0.0), [0.7, 0.2, 0.1])
+        .solid("block", block, [0.5; 3])
+        .constant_environment(SKY)
+        .depth(5)
+        .clear("block")
+}
+
+const MOVED: [(&str, &[f32]); 1] = [("cam.translation", &[1.0, 0.5, 0.2])];
+
+#[test]
+fn transposition() {
+    transposed(&block_of_glass(0.0), Method::Reparam, &["block.bsdf.brdf_0.reflectance.value"]);
+}
+
+/// The camera moves, and nothing jumps that lies in one plane.
+#[test]
+fn gradients() {
+    check_to(0.02, &block_of_glass(0.0), &MOVED, 1024, None, Fails);
+}
+
+/// Lifted, all of a plane would be seen otherwise at once: that is no gradient, and no number of
+/// fourteen digits.
+#[test]
+fn what_is_lifted_changes_by_no_more_than_what_hangs() {
+    let [stands, hangs] = [0.0, 0.01].map(|gap| {
+        let scene = block_of_glass(gap);
+        let along = direction(&scene, &[("block.translation", &[0.0, 0.0, 1.0])]);
+        let settings = settings(&scene, Method::Reparam, 256, 1);
+        let found = gradient(&scene, &settings, &along);
+        dot(&found, &found).sqrt()
+    });
+    println!("{stands} {hangs}");
+    assert!(stands < 10.0 * hangs, "{stands} {hangs}");
+}
+
+/// What is not followed is said.
+#[test]
+fn surfaces_that_coincide_are_counted() {
+    let counted = [0.0, 0.01].map(|gap| {
+        let scene = block_of_glass(gap);
+        let along = direction(&scene, &MOVED);
+        let settings = settings(&scene, Method::Reparam, 64, 1);
+        let found = forward(&scene, &settings, &along, &Quiet).expect("a gradient image");
+        let rejected = found.statistics.rejected;
+        ["surfaces_coincide", "silhouette_not_found"]
+            .map(|cause| rejected.get(cause).copied().unwrap_or(0))
+    });
+    println!("{counted:?}");
+    assert!(counted[0][0] > 0 && counted[1][0] == 0, "{counted:?}");
+}
