@@ -11,5 +11,6 @@ pub mod facets;
 pub mod outline;
 pub mod pencil;
 pub mod pieces;
+pub mod standing;
 pub mod texture_edges;
 pub mod walk;

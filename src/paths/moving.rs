@@ -8,7 +8,7 @@
 
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
-use crate::scene::{Scene, SceneDifferential};
+use crate::scene::{RAY_OFFSET, Scene, SceneDifferential};
 use crate::trace::geometry::{Geometry, NO_TRIANGLE};
 use glam::DVec3;
 
@@ -28,6 +28,19 @@ struct AlignedBox {
     middle: DVec3,
     /// Half its extent.
     half: DVec3,
+}
+
+impl AlignedBox {
+    fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [low, high] = points
+            .into_iter()
+            .fold(none, |[low, high], p| [low.min(p), high.max(p)]);
+        Self {
+            middle: 0.5 * (low + high),
+            half: 0.5 * (high - low),
+        }
+    }
 }
 
 /// The part of the plane through `origin` across `normal` for which all `inward` point ahead.
@@ -64,14 +77,7 @@ impl Moving {
             .map(|m| {
                 let vertices = geometry.first_vertex[m]..geometry.first_vertex[m + 1];
                 let all = &geometry.positions[vertices.start as usize..vertices.end as usize];
-                let low = all.iter().fold(DVec3::INFINITY, |b, p| b.min(p.as_dvec3()));
-                let high = all
-                    .iter()
-                    .fold(DVec3::NEG_INFINITY, |b, p| b.max(p.as_dvec3()));
-                AlignedBox {
-                    middle: 0.5 * (low + high),
-                    half: 0.5 * (high - low),
-                }
+                AlignedBox::around(all.iter().map(|p| p.as_dvec3()))
             })
             .collect();
         // An environment map that turns, and a texture that slides, move against what rests.
@@ -121,6 +127,25 @@ impl Moving {
     /// Whether a mesh does.
     pub(crate) fn moves_mesh(&self, mesh: usize) -> bool {
         self.everything || self.mesh[mesh]
+    }
+
+    /// Whether what has these vertices may touch a mesh that does.
+    pub(crate) fn touches(
+        &self,
+        geometry: &Geometry,
+        vertices: impl IntoIterator<Item = u32>,
+    ) -> bool {
+        let own = AlignedBox::around(
+            vertices
+                .into_iter()
+                .map(|v| geometry.positions[v as usize].as_dvec3()),
+        );
+        let near = f64::from(RAY_OFFSET) * geometry.room(own.middle.abs() + own.half);
+        let meets = |other: &AlignedBox| {
+            let apart = (own.middle - other.middle).abs() - own.half - other.half;
+            apart.max_element() <= near
+        };
+        self.boxes.iter().any(meets)
     }
 
     /// Whether a boundary does.

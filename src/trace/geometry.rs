@@ -91,24 +91,26 @@ impl Geometry {
         point.abs().max_element() + f64::from(self.unit)
     }
 
+    /// Whether vertices lie in the plane of a triangle, or no further off it than `most` times what
+    /// rounding grows with.
+    pub fn lie_in_plane(&self, vertices: &[u32], triangle: u32, most: f64) -> bool {
+        let position = |v: u32| self.positions[v as usize].as_dvec3();
+        let [p, q, r] = self.triangles[triangle as usize].map(position);
+        let normal = (q - p).cross(r - p).normalize();
+        let is_in = |x: DVec3| (x - p).dot(normal).abs() <= most * self.room(x);
+        vertices.iter().all(|&v| is_in(position(v)))
+    }
+
     /// Whether one of two triangles lies in the plane of the other, as far as single precision
     /// tells. [`NO_TRIANGLE`] lies in none.
-    pub fn coincide(&self, triangles: [u32; 2]) -> bool {
+    pub fn coincide(&self, [a, b]: [u32; 2]) -> bool {
         /// Some 16 units in the last place.
         const ROUNDING: f64 = 1e-6;
-        if triangles.contains(&NO_TRIANGLE) {
-            return false;
-        }
-        let [a, b] = triangles.map(|t| {
-            let corners = self.triangles[t as usize];
-            corners.map(|v| self.positions[v as usize].as_dvec3())
-        });
-        let lies_in = |flat: [DVec3; 3], [p, q, r]: [DVec3; 3]| {
-            let normal = (q - p).cross(r - p).normalize();
-            let is_in = |x: DVec3| (x - p).dot(normal).abs() <= ROUNDING * self.room(x);
-            flat.into_iter().all(is_in)
+        let lies_in = |flat: u32, other: u32| {
+            let corners = self.triangles.get(flat as usize);
+            corners.is_some_and(|corners| self.lie_in_plane(corners, other, ROUNDING))
         };
-        lies_in(a, b) || lies_in(b, a)
+        ![a, b].contains(&NO_TRIANGLE) && (lies_in(a, b) || lies_in(b, a))
     }
 
     /// For each vertex of a mesh the first one at its position. It is also found while tiles are

@@ -4,6 +4,7 @@
 use common::comparison::{Interior::Fails, SKY, check_to};
 use common::materials::Paint;
 use common::scenes::*;
+use common::statistics::Agreement;
 use common::transposition::transposed;
 use common::{Quiet, direction, dot, gradient, settings};
 use glam::vec3;
@@ -32,7 +33,11 @@ const MOVED: [(&str, &[f32]); 1] = [("cam.translation", &[1.0, 0.5, 0.2])];
 
 #[test]
 fn transposition() {
-    transposed(&block_of_glass(0.0), Method::Reparam, &["block.bsdf.brdf_0.reflectance.value"]);
+    transposed(
+        &block_of_glass(0.0),
+        Method::Reparam,
+        &["block.bsdf.brdf_0.reflectance.value"],
+    );
 }
 
 /// The camera moves, and nothing jumps that lies in one plane.
@@ -70,4 +75,44 @@ fn surfaces_that_coincide_are_counted() {
     });
     println!("{counted:?}");
     assert!(counted[0][0] > 0 && counted[1][0] == 0, "{counted:?}");
+}
+
+/// A block on a floor under a lamp, `depth` in it.
+fn pressed_in(depth: f32) -> Scene {
+    let block = placed(
+        cuboid(vec3(HALF, HALF, HALF)),
+        vec3(0.0, 0.0, 25.0),
+        vec3(0.1, 0.2, HALF - depth),
+    );
+    let from = vec3(0.3, -4.0, 3.0);
+    scene(from, vec3(0.0, 0.0, 0.3), 30.0, [16; 2], GAUSSIAN)
+        .solid("floor", floor(2.0, 0.0), [0.7, 0.2, 0.1])
+        .solid("block", block, [0.2, 0.4, 0.6])
+        .light("lamp", ceiling(vec3(-1.5, -1.5, 3.5), 0.7), [12.0; 3])
+        .constant_environment(SKY)
+        .depth(3)
+}
+
+/// The lower edges of what stands on a floor are where its sides meet the floor, as they are of
+/// what stands in it.
+#[test]
+fn what_stands_is_what_is_pressed_in() {
+    let lifted: (&str, &[f32]) = ("block.translation", &[0.0, 0.0, 1.0]);
+    let tilted: (&str, &[f32]) = ("block.rotation", &[1.0, 0.4, 0.0]);
+    let floor_tilted: (&str, &[f32]) = ("floor.rotation", &[1.0, 0.4, 0.0]);
+    for moved in [lifted, tilted, floor_tilted] {
+        let runs = |method: Method, depth: f32, first: u64| -> Vec<Vec<f64>> {
+            let scene = pressed_in(depth);
+            let along = direction(&scene, &[moved]);
+            let one = |seed| gradient(&scene, &settings(&scene, method, 128, seed), &along);
+            (first..first + 12).map(one).collect()
+        };
+        let reference = runs(Method::Reparam, 2e-4, 1000);
+        for (method, depth) in [(Method::Reparam, 2e-5), (Method::Edges, 0.0)] {
+            let ours = Agreement::new(&runs(method, depth, 1), &reference);
+            println!("{method:?} {depth} {}: {ours:.4?}", moved.0);
+            assert!(ours.bias.error < 0.03, "{ours:.4?}");
+            assert!(ours.holds(4.0), "{ours:.4?}");
+        }
+    }
 }

@@ -75,7 +75,7 @@ pub struct Candidate<C> {
 pub struct Met<C> {
     pub at: Candidate<C>,
     /// The triangles on its two sides.
-    seen: [u32; 2],
+    pub seen: [u32; 2],
     /// Radiance before minus radiance after it, times how many crossings it stands for: zero until
     /// it has been looked at.
     pub jump: DVec3,
@@ -232,7 +232,8 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     fn settle(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let is_hidden = self.is_hidden(candidate, seen);
-        if !is_hidden && cell.moves(&crossing.boundary) {
+        let boundary = (crossing.boundary).standing(self.scene.view.geometry, seen);
+        if !is_hidden && cell.moves(&boundary) {
             self.met.push(Met {
                 at: *candidate,
                 seen,

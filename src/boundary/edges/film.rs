@@ -118,13 +118,17 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
                     continue;
                 }
                 let [before, after] = lanes.map(|l| lane_of(radiance, l).as_dvec3());
-                let brings = (after - before) * (point.length / point.slope.length());
+                let origin = view.camera.origin.as_dvec3();
+                let (boundary, per_line) =
+                    (point.boundary).standing_seen_from(view.geometry, origin, seen);
+                let length = point.length * per_line / point.slope.length();
+                let brings = (after - before) * length;
                 if !brings.is_finite() {
                     out.counts.boundary_not_finite += 1;
                 } else if brings != DVec3::ZERO {
                     out.samples.push(BoundarySample {
                         chain: NO_CHAIN,
-                        boundary: point.boundary,
+                        boundary,
                         lane: 0,
                         at: Coordinate::Film {
                             at: point.at.to_array(),

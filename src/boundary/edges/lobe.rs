@@ -164,13 +164,15 @@ fn push(
     let survival = f64::from(vertices.line_survival.to_array()[lane]);
     let throughput = lane_of(vertices.throughput, lane).as_dvec3();
     let jump = throughput * value * jump / chance;
-    let brings = jump * (density * point.per_side * survival);
+    let x = lane_of(at.surface.x, lane).as_dvec3();
+    let (boundary, per_line) = (point.boundary).standing_seen_from(at.view.geometry, x, seen);
+    let brings = jump * (density * point.per_side * per_line * survival);
     if !brings.is_finite() {
         out.counts.boundary_not_finite += 1;
     } else if brings != glam::DVec3::ZERO {
         out.samples.push(BoundarySample {
             chain: NO_CHAIN,
-            boundary: point.boundary,
+            boundary,
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: brings.as_vec3().to_array(),

@@ -66,12 +66,12 @@ pub struct SceneEdges {
 }
 
 impl SceneEdges {
-    /// Those of the triangles for which `wanted` holds.
-    pub fn new(geometry: &Geometry, adjacency: &Adjacency, wanted: impl Fn(u32) -> bool) -> Self {
+    /// Those of the meshes for which `wanted` holds.
+    pub fn new(geometry: &Geometry, adjacency: &Adjacency, wanted: impl Fn(usize) -> bool) -> Self {
         let mut own = Self::default();
         for mesh in 0..geometry.smooth.len() {
             let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_triangle[m]);
-            if first < end && wanted(first) {
+            if first < end && wanted(mesh) {
                 own.add_folds(geometry, adjacency, first..end);
                 own.add_borders(geometry, adjacency, mesh);
             }

@@ -54,21 +54,27 @@ impl<'a> Edges<'a> {
     /// The edges that move as seen from a point that moves or rests; `None` if there are none.
     pub fn set(&self, view: &SceneView, point_moves: bool) -> Option<&EdgeSet> {
         let geometry = view.geometry;
-        let make = |wanted: &dyn Fn(u32) -> bool| {
-            let edges = SceneEdges::new(geometry, self.adjacency, wanted);
-            EdgeSet {
-                tree: EdgeTree::new(geometry, &edges),
-                edges,
-            }
+        let with_tree = |edges: SceneEdges| EdgeSet {
+            tree: EdgeTree::new(geometry, &edges),
+            edges,
         };
-        let moves = |triangle: u32| {
-            let [vertex, ..] = geometry.triangles[triangle as usize];
-            self.moving.vertex(geometry, vertex)
+        // What moves may cut what it touches along an edge that rests.
+        let may_move = |mesh: usize| {
+            let [first, end] = [mesh, mesh + 1].map(|m| geometry.first_vertex[m]);
+            self.moving.moves_mesh(mesh) || self.moving.touches(geometry, first..end)
         };
         let set = if point_moves {
-            self.all.get_or_init(|| make(&|_| true))
+            let all = || with_tree(SceneEdges::new(geometry, self.adjacency, |_| true));
+            self.all.get_or_init(all)
         } else {
-            self.moved.get_or_init(|| make(&moves))
+            self.moved.get_or_init(|| {
+                let mut moved = SceneEdges::new(geometry, self.adjacency, may_move);
+                let moves = |ends: [u32; 2]| {
+                    self.moving.vertex(geometry, ends[0]) || self.moving.touches(geometry, ends)
+                };
+                moved.edges.retain(|edge| moves(edge.ends));
+                with_tree(moved)
+            })
         };
         (!set.edges.edges.is_empty()).then_some(set)
     }

@@ -178,12 +178,14 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         let Border { at, sides } = border;
         let geometry = view.geometry;
         let first = |v: &ChainVertex| geometry.triangles[v.triangle as usize][0];
+        let beside = [0, 1].map(|i| sides[i].triangle);
+        let boundary = crossing.boundary.standing(geometry, beside);
         let moves = self.rays.moves(at.s)
-            || moving.boundary(geometry, &crossing.boundary)
+            || moving.boundary(geometry, &boundary)
             || at.chain.iter().any(|v| moving.vertex(geometry, first(v)));
         (!way.bends.is_empty() && moves).then(|| Found {
             s: at.s,
-            boundary: crossing.boundary,
+            boundary,
             shadow: None,
             weight: at.weight * (way.inverse_chance * count),
             chain: at.chain,

@@ -110,6 +110,7 @@ pub fn find(
                 if jump != DVec3::ZERO {
                     let kept = Border {
                         boundary: border.boundary,
+                        beside: None,
                         shadow: border.shadow,
                         chain: &border.chain,
                     };

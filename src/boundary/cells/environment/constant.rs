@@ -126,7 +126,7 @@ fn shadows(search: &mut LobeSearch, lane: usize, line: &Line, is_open: &[bool], 
     let mut at = LaneSurface::new(search.at, lane, Lobe::Diffuse);
     for edge in edges {
         let boundary = Boundary::Edge(edge.end.edge);
-        let border = Border::seen(boundary);
+        let border = Border::seen(boundary, None);
         let jump = (radiance, edge.jump * FAMILIES);
         search.push(&mut at, line, border, line.direction(edge.at), jump);
     }

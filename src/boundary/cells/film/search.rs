@@ -195,6 +195,7 @@ fn add<'a>(
     }
     let across = tile.step[1 - axis];
     let keep = |boundary: Boundary, at: [f64; 2], piece: Piece| {
+        let boundary = boundary.standing(view.geometry, met.seen);
         let velocity = velocity_per_side(gradient(&boundary), [1.0, 0.0, 1.0], axis);
         // An edge that is seen end-on has no length.
         let weight = met.jump * (velocity.unwrap_or(0.0) * across / chance);

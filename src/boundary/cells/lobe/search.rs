@@ -109,7 +109,7 @@ fn silhouettes(
             intervals.inclusion_of_ridge(psi)
         };
         let times = FAMILIES * way.weight / chance;
-        let border = Border::seen(met.at.crossing.boundary);
+        let border = Border::seen(met.at.crossing.boundary, Some(met.seen));
         search.push(at, line, border, line.direction(psi), (met.jump, times));
     }
 }
@@ -148,7 +148,7 @@ pub fn on_own_plane(
     let [before_it, beyond_it] = [0, 1].map(|l| lane_of(radiance, l).as_dvec3());
     let jump = before_it - beyond_it;
     if jump != DVec3::ZERO {
-        let border = Border::seen(Boundary::Edge(point.plane_edge(scene.view)));
+        let border = Border::seen(Boundary::Edge(point.plane_edge(scene.view)), None);
         let times = FAMILIES * way.weight;
         search.push(at, before, border, before.direction(psi), (jump, times));
     }

@@ -50,6 +50,7 @@ pub fn find(
                 let border = Border {
                     chain: &[],
                     boundary: met.boundary,
+                    beside: None,
                     shadow: Some(met.shadow),
                 };
                 let times = met.jump * FAMILIES * weight;

@@ -42,15 +42,18 @@ pub struct LobeSearch<'a> {
 #[derive(Clone, Copy)]
 pub struct Border<'a> {
     pub boundary: Boundary,
+    /// The triangles on its two sides, where it is seen directly.
+    pub beside: Option<[u32; 2]>,
     pub shadow: Option<Shadow>,
     pub chain: &'a [ChainVertex],
 }
 
 impl Border<'_> {
     /// One that is seen.
-    pub fn seen(boundary: Boundary) -> Self {
+    pub fn seen(boundary: Boundary, beside: Option<[u32; 2]>) -> Self {
         Self {
             boundary,
+            beside,
             shadow: None,
             chain: &[],
         }
@@ -95,6 +98,7 @@ impl LobeSearch<'_> {
         line: &Line,
         Border {
             boundary,
+            beside,
             shadow,
             chain,
         }: Border,
@@ -109,7 +113,7 @@ impl LobeSearch<'_> {
         let boundary = if is_seen && self.scene.is_small(&boundary, x) {
             line.family.of_point(boundary, geometry, x, direction)
         } else {
-            boundary
+            beside.map_or(boundary, |beside| boundary.standing(geometry, beside))
         };
         let c = normal_through(self.scene.view, chain, (&boundary, shadow), x, direction);
         let (Some((local, value, density)), Some(weight)) = (
