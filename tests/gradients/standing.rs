@@ -7,7 +7,7 @@ use common::scenes::*;
 use common::statistics::Agreement;
 use common::transposition::transposed;
 use common::{Quiet, direction, dot, gradient, settings};
-use glam::vec3;
+use glam::{Vec3, vec3};
 use warpath::methods::{Method, forward};
 use warpath::scene::Scene;
 
@@ -111,6 +111,47 @@ fn what_stands_is_what_is_pressed_in() {
         for (method, depth) in [(Method::Reparam, 2e-5), (Method::Edges, 0.0)] {
             let ours = Agreement::new(&runs(method, depth, 1), &reference);
             println!("{method:?} {depth} {}: {ours:.4?}", moved.0);
+            assert!(ours.bias.error < 0.03, "{ours:.4?}");
+            assert!(ours.holds(4.0), "{ours:.4?}");
+        }
+    }
+}
+
+/// Floor and walls of a room, which go on beyond its corner by `beyond`.
+fn corner(beyond: f32) -> Scene {
+    let length = 2.0 + beyond;
+    let wall = |corner: Vec3, along: Vec3| {
+        parallelogram(corner - Vec3::Z * beyond, along * length, Vec3::Z * length)
+    };
+    let ground = parallelogram(vec3(-1.0, -1.0, 0.0), Vec3::X * length, Vec3::Y * length);
+    let from = vec3(-0.3, -4.0, 1.5);
+    scene(from, vec3(0.95, 0.75, 0.25), 14.0, [16; 2], GAUSSIAN)
+        .solid("floor", ground, [0.7, 0.6, 0.5])
+        .solid("back", wall(vec3(-1.0, 1.0, 0.0), Vec3::X), [0.6, 0.6, 0.7])
+        .solid("side", wall(vec3(1.0, -1.0, 0.0), Vec3::Y), [0.2, 0.5, 0.3])
+        .light("lamp", ceiling(vec3(-0.2, 0.0, 1.9), 0.3), [12.0; 3])
+        .constant_environment([0.2; 3])
+        .depth(3)
+}
+
+/// Where walls and floor end along one line the border is where they would pass through each other.
+#[test]
+fn walls_that_meet_at_their_rims_are_walls_that_go_on() {
+    let moved: [(&str, &[f32]); 2] = [
+        ("side.translation", &[1.0, 0.0, 0.0]),
+        ("floor.translation", &[0.0, 0.0, 1.0]),
+    ];
+    for moved in moved {
+        let runs = |method: Method, beyond: f32, first: u64| -> Vec<Vec<f64>> {
+            let scene = corner(beyond);
+            let along = direction(&scene, &[moved]);
+            let one = |seed| gradient(&scene, &settings(&scene, method, 128, seed), &along);
+            (first..first + 12).map(one).collect()
+        };
+        let go_on = runs(Method::Reparam, 0.3, 1000);
+        for method in [Method::Reparam, Method::Edges] {
+            let ours = Agreement::new(&runs(method, 0.0, 1), &go_on);
+            println!("{method:?} {}: {ours:.4?}", moved.0);
             assert!(ours.bias.error < 0.03, "{ours:.4?}");
             assert!(ours.holds(4.0), "{ours:.4?}");
         }
