@@ -22,7 +22,7 @@ use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
 /// Where visibility jumps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Boundary {
     /// A mesh edge, by its vertices.
     Edge([u32; 2]),

@@ -25,12 +25,18 @@ impl Boundary {
             return self;
         };
         let position = |v: u32| geometry.positions[v as usize];
+        // Of what has hard edges each triangle has vertices of its own.
+        let has_edge = |corners: [u32; 3]| {
+            let is_corner = |v: &u32| corners.iter().any(|&c| position(c) == position(*v));
+            edge.iter().all(is_corner)
+        };
+        let mesh = |t: u32| geometry.mesh_of_triangle[t as usize];
         let stands = |[near, other]: [u32; 2]| {
             let [near_corners, corners] = [near, other].map(|t| geometry.triangles.get(t as usize));
             let (&near_corners, &corners) = (near_corners?, corners?);
-            // Of what has hard edges each triangle has vertices of its own.
-            let is_corner = |v: &u32| near_corners.iter().any(|&c| position(c) == position(*v));
-            let is_own = edge.iter().all(is_corner);
+            // Both sides of an edge of one body have it.
+            let is_own =
+                has_edge(near_corners) && (mesh(near) != mesh(other) || !has_edge(corners));
             let touches = is_own && geometry.lie_in_plane(&edge, other, f64::from(RAY_OFFSET));
             let normal = |[p, q, r]: [u32; 3]| {
                 let [p, q, r] = [p, q, r].map(|v| position(v).as_dvec3());

@@ -15,6 +15,8 @@ pub struct Statistics {
     pub rays: BTreeMap<&'static str, u64>,
     /// Samples of borders that were found: see [`Counts::resolved`].
     pub silhouettes: u64,
+    /// Those at which something that moves stands on something else.
+    pub standing: u64,
     /// Samples rejected, by cause.
     pub rejected: BTreeMap<&'static str, u64>,
     /// Seconds, by stage.
@@ -153,6 +155,7 @@ impl Statistics {
             *self.rays.entry(kind).or_default() += count;
         }
         self.silhouettes += other.silhouettes;
+        self.standing += other.standing;
         for (&cause, &count) in &other.rejected {
             *self.rejected.entry(cause).or_default() += count;
         }
@@ -180,6 +183,7 @@ impl Statistics {
             *self.rays.entry(kind).or_default() += count;
         }
         self.silhouettes += counts.resolved;
+        self.standing += counts.standing;
         let rejected = [
             ("not_finite", counts.not_finite),
             ("boundary_not_finite", counts.boundary_not_finite),

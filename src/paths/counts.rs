@@ -27,6 +27,8 @@ pub struct Counts {
     pub unresolved: u64,
     /// Cells whose ends see surfaces that coincide.
     pub coincident: u64,
+    /// Borders at which something that moves stands on something else.
+    pub standing: u64,
     /// Places that move where a picture's normal looked away and was turned round.
     pub turned_round: u64,
     /// Samples of the image left out because they were not finite.
@@ -74,6 +76,7 @@ impl std::ops::AddAssign for Counts {
         self.resolved += o.resolved;
         self.unresolved += o.unresolved;
         self.coincident += o.coincident;
+        self.standing += o.standing;
         self.turned_round += o.turned_round;
         self.not_finite += o.not_finite;
         self.boundary_not_finite += o.boundary_not_finite;

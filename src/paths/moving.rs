@@ -148,6 +148,13 @@ impl Moving {
         self.boxes.iter().any(meets)
     }
 
+    /// Whether either mesh of two triangles moves in the world.
+    pub(crate) fn either(&self, geometry: &Geometry, triangles: [u32; 2]) -> bool {
+        let of = |t: u32| geometry.mesh_of_triangle.get(t as usize);
+        let moves = |t: u32| of(t).is_some_and(|&mesh| self.mesh[mesh as usize]);
+        triangles.into_iter().any(moves)
+    }
+
     /// Whether a boundary does.
     pub(crate) fn boundary(&self, geometry: &Geometry, boundary: &Boundary) -> bool {
         match *boundary {

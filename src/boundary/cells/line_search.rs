@@ -232,8 +232,11 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     fn settle(&mut self, candidate: &Candidate<C>, seen: [u32; 2]) -> Vec<Candidate<C>> {
         let Candidate { crossing, cell, .. } = candidate;
         let is_hidden = self.is_hidden(candidate, seen);
-        let boundary = (crossing.boundary).standing(self.scene.view.geometry, seen);
+        let (geometry, moving) = (self.scene.view.geometry, self.scene.moving);
+        let boundary = crossing.boundary.standing(geometry, seen);
         if !is_hidden && cell.moves(&boundary) {
+            let stands = boundary != crossing.boundary && moving.either(geometry, seen);
+            self.counts.standing += u64::from(stands);
             self.met.push(Met {
                 at: *candidate,
                 seen,

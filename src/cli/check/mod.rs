@@ -59,6 +59,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
     let circumstances = Circumstances {
         ignores_visibility: moves && method.ignores_visibility(),
         box_filter: matches!(filter, Filter::Box { .. }),
+        stands: first.statistics.standing > 0,
     };
     let tolerance = arguments.tolerance;
     let judged = |comparison: &Comparison| {
@@ -86,6 +87,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
             true => judged(&comparison),
             false => cannot_tell(method.name(), &comparison, tolerance),
         };
+        verdict.explain(circumstances);
     }
     write_images(&mut check.session, &check.tested, &check.reference)?;
     conclude(

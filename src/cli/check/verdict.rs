@@ -81,7 +81,13 @@ pub struct Circumstances {
     pub ignores_visibility: bool,
     /// An edge on the border of two pixels has no derivative.
     pub box_filter: bool,
+    /// What moves stands on something else: it has one derivative lifted, and one pressed in.
+    pub stands: bool,
 }
+
+/// What differences do not tell of what stands on something.
+const STANDS: &str = "something stands on something else, and has one derivative lifted and another pressed in: the \
+                      latter is given, and finite differences are the mean of both; move it a little up, or into it";
 
 /// Judges.
 pub fn judge(
@@ -108,6 +114,8 @@ pub fn judge(
              derivative; another rfilter tells"
                 .into(),
         );
+    } else if disagrees && circumstances.stands {
+        complaints.push(format!("but {STANDS}"));
     }
     Verdict {
         outcome,
@@ -136,6 +144,15 @@ pub fn cannot_tell(method: &str, c: &Comparison, tolerance: f64) -> Verdict {
         summary: ignorance(method, c, tolerance),
         complaints: Vec::new(),
         doubts: Vec::new(),
+    }
+}
+
+impl Verdict {
+    /// Says what differences with other steps may be others by.
+    pub fn explain(&mut self, circumstances: Circumstances) {
+        if self.outcome == Outcome::CannotTell && circumstances.stands {
+            self.summary += &format!("; {STANDS}");
+        }
     }
 }
 

@@ -208,3 +208,28 @@ fn differences_that_pass_something_accuse_nobody() {
     );
     assert!(message.contains("cannot tell: "), "{message}");
 }
+
+/// A block that stands on a floor is lifted.
+#[test]
+fn what_stands_on_something_is_explained() {
+    const STANDS: &str = r#"<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="2"/></integrator>
+  <sensor type="perspective" id="cam"><float name="fov" value="30"/>
+    <transform name="to_world"><lookat origin="0.5, -4, 2" target="0, 0, 0.4" up="0, 0, 1"/></transform>
+    <film type="hdrfilm"><rfilter type="gaussian"/></film>
+  </sensor>
+  <shape type="rectangle" id="floor"><transform name="to_world"><scale value="6"/></transform></shape>
+  <shape type="cube" id="cube">
+    <transform name="to_world"><scale value="0.5"/><rotate z="1" angle="25"/><translate z="0.5"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.9, 0.9, 0.9"/></bsdf>
+  </shape>
+  <emitter type="constant"/>
+</scene>"#;
+    let directory = workplace();
+    std::fs::write(directory.path().join("stands.xml"), STANDS).expect("a file");
+    let line = "check stands.xml --method reparam --param cube.translation=0,0,1 --resolution 16x16 --spp 256 -q -o out";
+    let out = warpath(directory.path(), &typed(line));
+    let said = text(&out.stderr);
+    assert_ne!(out.status.code(), Some(0), "{said}");
+    assert!(said.contains("stands on something else"), "{said}");
+}
