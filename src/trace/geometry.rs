@@ -92,12 +92,19 @@ impl Geometry {
     }
 
     /// Whether vertices lie in the plane of a triangle, or no further off it than `most` times what
-    /// rounding grows with.
+    /// rounding grows with there, besides the rounding of the farthest of them all.
     pub fn lie_in_plane(&self, vertices: &[u32], triangle: u32, most: f64) -> bool {
         let position = |v: u32| self.positions[v as usize].as_dvec3();
-        let [p, q, r] = self.triangles[triangle as usize].map(position);
+        let corners = self.triangles[triangle as usize];
+        let rooms = vertices.iter().chain(&corners);
+        let rooms = rooms.map(|&v| self.room(position(v)));
+        let [least, largest] = rooms.fold([f64::INFINITY, 0.0], |[least, largest], room| {
+            [least.min(room), largest.max(room)]
+        });
+        let most = most * least + f64::from(f32::EPSILON) * largest;
+        let [p, q, r] = corners.map(position);
         let normal = (q - p).cross(r - p).normalize();
-        let is_in = |x: DVec3| (x - p).dot(normal).abs() <= most * self.room(x);
+        let is_in = |x: DVec3| (x - p).dot(normal).abs() <= most;
         vertices.iter().all(|&v| is_in(position(v)))
     }
 
