@@ -62,10 +62,8 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         stands: first.statistics.standing > 0,
     };
     let tolerance = arguments.tolerance;
-    let judged = |comparison: &Comparison| {
-        let name = method.name();
-        judge(name, circumstances, &transposition, comparison, tolerance)
-    };
+    let name = method.name();
+    let judged = |c: &Comparison| judge(name, circumstances, &transposition, c, tolerance);
     let (mut comparison, mut verdict) = loop {
         check.run_all()?;
         let comparison = Comparison::of(&check.tested, &check.reference, rounding);
@@ -85,7 +83,7 @@ pub fn run(arguments: &CheckArguments, typed: &[OsString]) -> Result<(), Failure
         comparison = Comparison::of(&check.tested, &check.reference, SHORTER * rounding);
         verdict = match comparison.reference_is_significant {
             true => judged(&comparison),
-            false => cannot_tell(method.name(), &comparison, tolerance),
+            false => cannot_tell(name, &comparison, tolerance),
         };
         verdict.explain(circumstances);
     }
