@@ -79,6 +79,17 @@ pub fn gradient(scene: &Scene, settings: &Settings, direction: &Direction) -> Ve
     )
 }
 
+/// Fails if a thousandth of all cells whose ends differ have no silhouette that was found.
+pub fn loses_nothing(scene: &Scene, settings: &Settings, direction: &Direction) {
+    let statistics = methods::forward(scene, settings, direction, &Quiet)
+        .expect("a gradient image")
+        .statistics;
+    let lost = statistics.rejected.get("silhouette_not_found").copied();
+    let (lost, found) = (lost.unwrap_or(0), statistics.silhouettes);
+    println!("{lost} of {}", found + lost);
+    assert!(lost * 1000 < found, "{lost} of {found}");
+}
+
 /// The variance between the gradients of runs with these seeds, summed over all numbers.
 pub fn variance(
     scene: &Scene,

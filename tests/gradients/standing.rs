@@ -6,10 +6,10 @@ use common::materials::Paint;
 use common::scenes::*;
 use common::statistics::Agreement;
 use common::transposition::transposed;
-use common::{Quiet, direction, dot, gradient, settings};
+use common::{Quiet, direction, dot, gradient, loses_nothing, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{Method, forward};
-use warpath::scene::Scene;
+use warpath::scene::{DeltaLightKind, Scene};
 
 const HALF: f32 = 0.5;
 
@@ -75,6 +75,21 @@ fn surfaces_that_coincide_are_counted() {
     });
     println!("{counted:?}");
     assert!(counted[0][0] > 0 && counted[1][0] == 0, "{counted:?}");
+}
+
+/// Of rough glass under a sun, seen from inside: the shadow on the underside ends with it, where the
+/// sides begin, which the floor does not hide from the sun.
+#[test]
+fn shadows_on_what_stands_end_with_it() {
+    let scene = block_of_glass(0.0).glass("block", 0.2).delta_light(
+        "sun",
+        DeltaLightKind::Directional {
+            direction: vec3(-0.5, 0.6, -1.0),
+        },
+        [1.5, 1.4, 1.2],
+    );
+    let along = direction(&scene, &MOVED);
+    loses_nothing(&scene, &settings(&scene, Method::Reparam, 64, 1), &along);
 }
 
 /// A block on a floor under a lamp, `depth` in it.

@@ -100,6 +100,14 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         receiver.is_hidden(ray.origin, ray.direction, self.counts)
     }
 
+    /// Whether where a ray ends faces a light.
+    fn is_lit(&self, ray: &Followed, light: usize) -> bool {
+        ray.triangle != NO_TRIANGLE && {
+            let receiver = Receiver::new(self.scene, light, ray.triangle);
+            receiver.is_lit(receiver.point(ray.origin, ray.direction), ray.direction)
+        }
+    }
+
     /// How the shadow in which ray `number` of a run ends goes on: to later rays (1) or to earlier
     /// ones (−1).
     fn reach(
@@ -148,10 +156,14 @@ impl<R: FirstRays> ChainSearch<'_, R> {
                 return Between::Other(a.s);
             }
             if halvings == 0 {
-                if !self.is_hidden(&b, light) {
-                    return self.lost(b.s);
+                if self.is_hidden(&b, light) {
+                    continue;
                 }
-                continue;
+                // What faces away from the light is dark, too.
+                return match self.is_lit(&b, light) {
+                    true => self.lost(b.s),
+                    false => Between::Other(b.s),
+                };
             }
             let middle = 0.5 * (a.s + b.s);
             let Some(m) = Followed::new(view, self.rays, middle, &way.bends, self.counts) else {

@@ -16,6 +16,9 @@ use glam::DVec3;
 /// The largest step beyond a silhouette, as a part of a facet.
 const MOST_STEP: f64 = 0.1;
 
+/// Narrower parts of an arc are rounding.
+const NARROWEST: f64 = 1e-9;
+
 /// The rays between two that see known triangles.
 pub struct Rays<F> {
     pub arc: Arc,
@@ -72,7 +75,7 @@ pub fn follow<F: Fn(f64) -> u32>(
     let arc = &rays.arc;
     let mut from = 0.0;
     for Facet { triangle, to, .. } in passed {
-        if to <= from {
+        if to - from < NARROWEST {
             continue;
         }
         let receiver = Receiver::new(scene, light, triangle);
@@ -81,7 +84,7 @@ pub fn follow<F: Fn(f64) -> u32>(
             ends => return ends,
         }
     }
-    if from < limit {
+    if limit - from > NARROWEST {
         Followed::Surface(from)
     } else {
         Followed::AllHidden
@@ -158,7 +161,13 @@ fn over_facet(
     [from, to]: [f64; 2],
     counts: &mut Counts,
 ) -> Followed {
-    let ends = [from, to].map(|s| receiver.point(arc.origin, arc.direction(s)));
+    let mut ends = [from, to].map(|s| receiver.point(arc.origin, arc.direction(s)));
+    if from > 0.0 {
+        // Right where a facet begins what it stands on may hide the light.
+        let length = ends[0].distance(ends[1]);
+        let beside = step(scene.view.geometry, ends[0], length);
+        ends[0] = ends[0].lerp(ends[1], beside);
+    }
     if !receiver.is_lit(ends[0], arc.direction(from)) {
         return Followed::Surface(from);
     }

@@ -39,8 +39,8 @@ pub fn find(
     };
     let counts = &mut search.out.counts;
     let mut all = Vec::new();
-    for (light, hidden) in on_line.hidden(counts).iter().enumerate() {
-        all.extend(on_line.ends(light, hidden, counts));
+    for (light, lit) in on_line.lit(counts).iter().enumerate() {
+        all.extend(on_line.ends(light, lit, counts));
     }
     all.extend(rims::find(on_line.scene, line, cells, counts));
     for group in all.chunks(LANES) {
@@ -58,6 +58,17 @@ pub fn find(
             }
         }
     }
+}
+
+/// What a light does to what is seen at a point.
+#[derive(Clone, Copy, PartialEq)]
+enum Lit {
+    /// It shines on it.
+    Yes,
+    /// Something hides it.
+    Hidden,
+    /// It could not shine there.
+    Never,
 }
 
 /// How a shadow goes on from a point.
@@ -94,8 +105,8 @@ impl OnLine<'_> {
             .leaving(x, normal, from_lanes(directions), active)
     }
 
-    /// For each light, at which of the line's points it is hidden from what is seen.
-    fn hidden(&self, counts: &mut Counts) -> Vec<Vec<bool>> {
+    /// What each light does to what is seen at the line's points.
+    fn lit(&self, counts: &mut Counts) -> Vec<Vec<Lit>> {
         let view = self.scene.view;
         let lights = &view.delta_lights;
         let first = self
@@ -105,7 +116,7 @@ impl OnLine<'_> {
             .map(|c| (c.arc().a, c.triangles()[0]));
         let rest = self.cells.iter().map(|c| (c.arc().b, c.triangles()[1]));
         let points: Vec<(DVec3, u32)> = first.chain(rest).collect();
-        let mut hidden = vec![Vec::new(); lights.len()];
+        let mut lit = vec![Vec::new(); lights.len()];
         for group in points.chunks(LANES) {
             let mut directions = [Vec3::Z; LANES];
             let mut triangle = [NO_TRIANGLE; LANES];
@@ -123,33 +134,39 @@ impl OnLine<'_> {
                 ..Vertices::default()
             };
             let surface = view.surface(&mut vertices);
-            for (number, hidden) in hidden.iter_mut().enumerate() {
+            for (number, lit) in lit.iter_mut().enumerate() {
                 let light = &lights[number];
                 let sight = view.delta_sight(light, &vertices, &surface, &mut counts.bounce_cell);
                 for (lane, &(d, seen)) in group.iter().enumerate() {
-                    hidden.push(if view.is_mixed(seen) {
+                    lit.push(if view.is_mixed(seen) {
                         // What is met of it need not be what is lit.
                         let receiver = Receiver::new(self.scene, number, seen);
-                        receiver.is_hidden(self.point.leave(d).as_dvec3(), d, counts)
+                        match receiver.is_hidden(self.point.leave(d).as_dvec3(), d, counts) {
+                            true => Lit::Hidden,
+                            false => Lit::Yes,
+                        }
                     } else {
-                        sight.hidden >> lane & 1 == 1
+                        match [sight.hidden, sight.seen].map(|lanes| lanes >> lane & 1 == 1) {
+                            [true, _] => Lit::Hidden,
+                            [_, true] => Lit::Yes,
+                            _ => Lit::Never,
+                        }
                     });
                 }
             }
         }
-        hidden
+        lit
     }
 
     /// The ends that move of all shadows of a light in which a point lies.
-    fn ends(&self, light: usize, hidden: &[bool], counts: &mut Counts) -> Vec<Met> {
+    fn ends(&self, light: usize, lit: &[Lit], counts: &mut Counts) -> Vec<Met> {
         let mut met = Vec::new();
         let mut known_to = f64::NEG_INFINITY;
-        for number in (0..hidden.len()).filter(|&n| hidden[n]) {
+        for number in (0..lit.len()).filter(|&n| lit[n] == Lit::Hidden) {
             if self.line.psi[number] <= known_to {
                 continue;
             }
-            let [before, after] =
-                [-1, 1].map(|step| self.reach(light, hidden, number, step, counts));
+            let [before, after] = [-1, 1].map(|step| self.reach(light, lit, number, step, counts));
             let chance = match [&before, &after].map(|reach| reach.coordinate()) {
                 [Some(low), Some(high)] => self.line.chance_between([low, high]),
                 _ => 1.0,
@@ -187,7 +204,7 @@ impl OnLine<'_> {
     fn reach(
         &self,
         light: usize,
-        hidden: &[bool],
+        lit: &[Lit],
         number: usize,
         step: isize,
         counts: &mut Counts,
@@ -195,7 +212,7 @@ impl OnLine<'_> {
         let mut from = number;
         loop {
             let next = from.checked_add_signed(step);
-            let Some(to) = next.filter(|&to| to < hidden.len()) else {
+            let Some(to) = next.filter(|&to| to < lit.len()) else {
                 return Reach::Rim;
             };
             let psi = &self.line.psi;
@@ -213,9 +230,9 @@ impl OnLine<'_> {
                     counts.unresolved += 1;
                     return Reach::Other(place(s));
                 }
-                Followed::AllHidden if hidden[to] => from = to,
+                Followed::AllHidden if lit[to] == Lit::Hidden => from = to,
                 Followed::AllHidden => {
-                    counts.unresolved += 1;
+                    counts.unresolved += u64::from(lit[to] == Lit::Yes);
                     return Reach::Other(psi[to]);
                 }
             }
