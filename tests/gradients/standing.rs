@@ -77,8 +77,8 @@ fn surfaces_that_coincide_are_counted() {
     assert!(counted[0][0] > 0 && counted[1][0] == 0, "{counted:?}");
 }
 
-/// Of rough glass under a sun, seen from inside: the shadow on the underside ends with it, where the
-/// sides begin, which the floor does not hide from the sun.
+/// Of rough glass under a sun, seen from inside: the shadow on the underside ends with it, where
+/// the sides begin, which the floor does not hide from the sun.
 #[test]
 fn shadows_on_what_stands_end_with_it() {
     let scene = block_of_glass(0.0).glass("block", 0.2).delta_light(
