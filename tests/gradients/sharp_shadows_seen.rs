@@ -6,7 +6,6 @@ use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{direction, loses_nothing, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::{DeltaLightKind, Scene};
@@ -138,19 +137,6 @@ fn over_lobes() {
     check_to(0.04, &mirrored, &parts, 1024, NEAR_STEP, Fails);
     let parts = [("bulb.position", [1.0, 0.3, 0.6].as_slice())];
     check_to(0.04, &mirrored, &parts, 1024, NEAR_STEP, Fails);
-}
-
-/// A shadow on a ball ends where the ball turns away from the light, which is no border.
-#[test]
-fn on_what_turns_away_from_the_light() {
-    let veil = parallelogram(vec3(-0.9, -1.2, 0.3), Vec3::X * 1.7, Vec3::Z * 1.5);
-    let scene = close_up()
-        .solid("veil", veil, [0.5, 0.2, 0.3])
-        .smooth("ball", ball(4, vec3(0.1, -0.5, 0.22), 0.2), [0.6; 3])
-        .masked("veil", 0.4);
-    let scene = sun(scene.depth(4));
-    let along = direction(&scene, &[("cam.translation", MOVED.as_slice())]);
-    loses_nothing(&scene, &settings(&scene, Method::Reparam, 64, 1), &along);
 }
 
 #[test]
