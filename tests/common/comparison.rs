@@ -1,8 +1,9 @@
 //! `reparam` against finite differences, and the scenes it is done on.
 
+use super::compared::{Compared, agreement};
+pub use super::compared::{Runs, compared, with_samples};
 use super::scenes::*;
 use super::shapes::{Random, Shape, soup};
-use super::statistics::Agreement;
 use super::{differences, direction, gradient, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
@@ -15,10 +16,8 @@ pub const SIGMAS: f64 = 4.0;
 /// The largest standard error of the gradient's size that still means something.
 pub const RESOLUTION: f64 = 0.02;
 
-/// Comparisons begin with one sample of so many.
-const FIRST: u32 = 8;
-/// Samples are multiplied by this much more than a standard error promises to need.
-const SPARE: f64 = 1.3;
+/// What cannot be told with some samples is tried with so many times as many.
+const MORE: u32 = 4;
 
 /// Radiance of the sky.
 pub const SKY: [f32; 3] = [0.7, 0.8, 1.0];
@@ -66,56 +65,29 @@ pub fn check_to(
             })
             .collect()
     };
-    let compare = |tried: u32| {
-        let reference = runs(Method::Fd, 4 * tried, 1000);
-        let ours = Agreement::new(&runs(Method::Reparam, tried, 1), &reference);
-        println!("{tried} of {spp} samples: reparam {ours:.4?}");
-        (ours.bias.error, (ours, tried, reference))
+    let ours = |spp| runs(Method::Reparam, spp, 1);
+    let theirs = |spp| runs(Method::Fd, 4 * spp, 1000);
+    let holds = |found: &Compared| {
+        let found = found.agreement;
+        assert!(found.holds(SIGMAS), "reparam is off: {found:.4?}");
     };
-    let (ours, tried, reference) = with_samples(spp, resolution, compare);
-    let holds = |ours: Agreement| assert!(ours.holds(SIGMAS), "reparam is off: {ours:.4?}");
-    holds(ours);
-    let naive = |tried, reference: &[Vec<f64>]| {
-        let naive = Agreement::new(&runs(Method::Interior, tried, 1), reference);
+    let naive = |found: &Compared| {
+        let interior = runs(Method::Interior, found.samples[0], 1);
+        let naive = agreement(&interior, &found.theirs);
         println!("interior {naive:.4?}");
         naive.holds(SIGMAS)
     };
-    let mut agrees = naive(tried, &reference);
-    if agrees && interior == Interior::Fails && tried < spp {
-        // What suffices to measure a gradient's size need not to tell what it lacks.
-        let (_, (ours, _, reference)) = compare(spp);
-        holds(ours);
-        agrees = naive(spp, &reference);
+    let mut found = compared(spp, resolution, [&ours, &theirs]);
+    holds(&found);
+    let mut agrees = naive(&found);
+    // What suffices to measure a gradient's size need not to tell what it lacks.
+    while agrees && interior == Interior::Fails && found.samples != [spp; 2] {
+        let more = found.samples.map(|samples| (MORE * samples).min(spp));
+        found = found.with(more, [&ours, &theirs]);
+        holds(&found);
+        agrees = naive(&found);
     }
     assert_eq!(agrees, interior == Interior::Agrees, "interior");
-}
-
-/// Measures with few samples first, and with more while the standard error that `measure` says
-/// beside what it finds is above `resolution`: up to `most`, with which it must not be. What is
-/// found has no say in it. `make test-long` takes all at once.
-pub fn with_samples<T>(most: u32, resolution: f64, measure: impl Fn(u32) -> (f64, T)) -> T {
-    let mut samples = if cfg!(feature = "all-samples") {
-        most
-    } else {
-        most.div_ceil(FIRST)
-    };
-    loop {
-        let (error, found) = measure(samples);
-        let off = error / resolution;
-        if off <= 1.0 {
-            return found;
-        }
-        assert!(samples < most, "nothing can be said: ± {error}");
-        let wanted = f64::from(samples) * (SPARE * off * off).max(2.0);
-        let power = (wanted as u32).next_power_of_two();
-        let less = power / 4 * 3;
-        let enough = if f64::from(less) >= wanted {
-            less
-        } else {
-            power
-        };
-        samples = enough.min(most);
-    }
 }
 
 /// All of a list by `make test-long`, and by `make test` the first and then one in `every`: of what

@@ -1,5 +1,6 @@
 //! What the tests of the whole engine share: scenes as plain data, runs, and statistics.
 
+pub mod compared;
 pub mod comparison;
 pub mod fading;
 pub mod materials;

@@ -1,7 +1,7 @@
 //! Differences whose samples are carried along with what they see: the same in the mean as those of
 //! samples that rest, and less noisy where there are many edges or smooth curved surfaces.
 
-use common::comparison::{RESOLUTION, SIGMAS, SKY, close_up, foliage, small_floor, with_samples};
+use common::comparison::{RESOLUTION, SIGMAS, SKY, close_up, compared, foliage, small_floor};
 use common::materials::Paint;
 use common::scenes::*;
 use common::{Quiet, direction, gradient, settings, variance};
@@ -53,12 +53,10 @@ fn they_agree_with_differences() {
                 .map(|seed| gradient(&scene, &settings(&scene, method, spp, seed), &along))
                 .collect()
         };
-        let carried = with_samples(spp, RESOLUTION, |spp| {
-            let reference = runs(Method::Fd, 4 * spp, 1000);
-            let carried = Agreement::new(&runs(Method::CarriedFd, spp, 1), &reference);
-            println!("{parts:?}, {spp} samples: {carried:.4?}");
-            (carried.bias.error, carried)
-        });
+        println!("{parts:?}");
+        let carried = |spp| runs(Method::CarriedFd, spp, 1);
+        let at_rest = |spp| runs(Method::Fd, 4 * spp, 1000);
+        let carried = compared(spp, RESOLUTION, [&carried, &at_rest]).agreement;
         assert!(carried.holds(SIGMAS), "{parts:?} {carried:.4?}");
     }
 }

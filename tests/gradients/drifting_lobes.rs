@@ -5,7 +5,7 @@ use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
 use common::shapes::{Random, Shape};
-use common::statistics::{Agreement, Estimate};
+use common::statistics::Estimate;
 use common::transposition::{both_sides, difference, prepared, random_weight, transposed};
 use common::{differences, direction, gradient, settings, variance};
 use glam::{Vec3, vec3};
@@ -169,21 +169,19 @@ fn of_glass() -> Scene {
 /// step: what is full of detail does not change in proportion to a long one.
 fn agrees(scene: &Scene, part: (&str, &[f32]), spp: u32) {
     let along = direction(scene, &[part]);
-    let found = with_samples(spp, 0.06, |spp| {
-        let ours =
-            |seed: u64| gradient(scene, &settings(scene, Method::Reparam, spp, seed), &along);
-        let theirs = |seed: u64| {
-            let settings = settings(scene, Method::Fd, 4 * spp, 1000 + seed);
+    let ours = |spp| {
+        let run = |seed| gradient(scene, &settings(scene, Method::Reparam, spp, seed), &along);
+        (0..16).map(run).collect()
+    };
+    let theirs = |spp| {
+        let run = |seed| {
+            let settings = settings(scene, Method::Fd, 4 * spp, seed);
             differences(scene, &settings, &along, 2e-3)
         };
-        let [ours, theirs]: [Vec<Vec<f64>>; 2] = [
-            (0..16u64).map(ours).collect(),
-            (0..16u64).map(theirs).collect(),
-        ];
-        let found = Agreement::new(&ours, &theirs);
-        println!("{}, {spp} samples: {found:.4?}", part.0);
-        (found.bias.error, found)
-    });
+        (1000..1016).map(run).collect()
+    };
+    println!("{}", part.0);
+    let found = compared(spp, 0.06, [&ours, &theirs]).agreement;
     assert!(found.holds(4.0), "reparam is off: {found:.4?}");
 }
 

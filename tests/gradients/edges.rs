@@ -9,7 +9,6 @@ use common::{Quiet, direction, gradient, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{Method, forward};
 use warpath::scene::{Distribution, Scene};
-use warpath::statistics::agreement::Agreement;
 
 /// Independent runs of each method.
 const RUNS: u64 = 16;
@@ -20,17 +19,15 @@ const SIGMAS: f64 = 4.0;
 /// samples of each; the standard error of the difference is at most this part of the gradient.
 fn agree(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, resolution: f64) {
     let along = direction(scene, parts);
-    let agreement = with_samples(spp, resolution, |spp| {
-        let runs = |method: Method, first: u64| -> Vec<Vec<f64>> {
-            let seeds = first..first + RUNS;
-            seeds
-                .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
-                .collect()
-        };
-        let agreement = Agreement::new(&runs(Method::Edges, 1), &runs(Method::Reparam, 1000));
-        println!("{spp} samples: {agreement:.4?}");
-        (agreement.bias.error, agreement)
-    });
+    let runs = |method: Method, spp: u32, first: u64| -> Vec<Vec<f64>> {
+        let seeds = first..first + RUNS;
+        seeds
+            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
+            .collect()
+    };
+    let ours = |spp| runs(Method::Edges, spp, 1);
+    let theirs = |spp| runs(Method::Reparam, spp, 1000);
+    let agreement = compared(spp, resolution, [&ours, &theirs]).agreement;
     assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
 }
 

@@ -1,14 +1,13 @@
 //! Later vertices look for shadows the more seldom the less light they send on, and what they find
 //! stands for more. `edges` draws them for every vertex.
 
-use common::comparison::with_samples;
+use common::comparison::compared;
 use common::materials::*;
 use common::scenes::*;
 use common::{direction, gradient, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::Scene;
-use warpath::statistics::agreement::Agreement;
 
 const RUNS: u64 = 16;
 const SPP: u32 = 1024;
@@ -37,17 +36,16 @@ fn dark_wall() -> Scene {
 
 fn check(what: &str, scene: &Scene) {
     let along = direction(scene, &[("block.translation", &[0.2, 0.3, 1.0])]);
-    let agreement = with_samples(SPP, RESOLUTION, |spp| {
-        let runs = |method: Method, first: u64| -> Vec<Vec<f64>> {
-            let seeds = first..first + RUNS;
-            seeds
-                .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
-                .collect()
-        };
-        let agreement = Agreement::new(&runs(Method::Reparam, 1), &runs(Method::Edges, 100));
-        println!("{what}, {spp} samples: {agreement:.4?}");
-        (agreement.bias.error, agreement)
-    });
+    let runs = |method: Method, spp: u32, first: u64| -> Vec<Vec<f64>> {
+        let seeds = first..first + RUNS;
+        seeds
+            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
+            .collect()
+    };
+    let ours = |spp| runs(Method::Reparam, spp, 1);
+    let theirs = |spp| runs(Method::Edges, spp, 100);
+    println!("{what}");
+    let agreement = compared(SPP, RESOLUTION, [&ours, &theirs]).agreement;
     assert!(agreement.holds(SIGMAS), "{what}: {agreement:.4?}");
 }
 
@@ -68,6 +66,7 @@ fn of_an_even_sky() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn of_the_sun() {
     check("sun", &dark_wall().sunny());
 }

@@ -54,6 +54,7 @@ pub fn caustic() -> Scene {
 /// Bounces from the floor follow the ball: they turn, and where they meet it does not slide. By
 /// −0.25 ± 0.03 wrong if relays take them not to turn.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes minutes: make test-long")]
 fn what_turns_toward_a_relay_is_right() {
     let moved: (&str, &[f32]) = ("ball.translation", &MOVED);
     let scene = caustic();
@@ -66,6 +67,7 @@ const BY_ETA: (&str, &[f32]) = ("ball.bsdf.eta", &[1.0]);
 
 /// A border before a relay, and no part of its differences.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes minutes: make test-long")]
 fn a_sharp_shadow_over_relays_is_found_once() {
     let position = vec3(-0.6, -0.9, 2.6);
     let light = DeltaLightKind::Point { position };
@@ -77,6 +79,7 @@ fn a_sharp_shadow_over_relays_is_found_once() {
 
 /// Likewise.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes minutes: make test-long")]
 fn a_picture_that_jumps_over_relays_is_found_once() {
     let scene = lit(behind_a_ball().clear("ball")).checkerboard("floor");
     check_to(0.02, &scene, &[BY_ETA], 1024, Some(0.003), Fails);

@@ -1,10 +1,9 @@
 //! Bodies through which the floor is seen that they stand on: their undersides lie in its plane,
 //! and which of the two a ray meets is chance.
 
-use common::comparison::{Interior::Fails, SKY, check_to};
+use common::comparison::{Interior::Fails, Runs, SIGMAS, SKY, check_to, compared};
 use common::materials::Paint;
 use common::scenes::*;
-use common::statistics::Agreement;
 use common::transposition::transposed;
 use common::{Quiet, direction, dot, gradient, loses_nothing, settings};
 use glam::{Vec3, vec3};
@@ -92,6 +91,25 @@ fn shadows_on_what_stands_end_with_it() {
     loses_nothing(&scene, &settings(&scene, Method::Reparam, 64, 1), &along);
 }
 
+/// Runs of a scene by what moves, of which the first has this seed.
+fn runs_of(
+    scene: Scene,
+    moved: (&str, &[f32]),
+    method: Method,
+    first: u64,
+) -> impl Fn(u32) -> Vec<Vec<f64>> {
+    let along = direction(&scene, &[moved]);
+    move |spp| {
+        let one = |seed| gradient(&scene, &settings(&scene, method, spp, seed), &along);
+        (first..first + 12).map(one).collect()
+    }
+}
+
+fn agree(runs: [Runs; 2]) {
+    let found = compared(128, 0.02, runs).agreement;
+    assert!(found.holds(SIGMAS), "{found:.4?}");
+}
+
 /// A block on a floor under a lamp, `depth` in it.
 fn pressed_in(depth: f32) -> Scene {
     let block = placed(
@@ -116,18 +134,10 @@ fn what_stands_is_what_is_pressed_in() {
     let tilted: (&str, &[f32]) = ("block.rotation", &[1.0, 0.4, 0.0]);
     let floor_tilted: (&str, &[f32]) = ("floor.rotation", &[1.0, 0.4, 0.0]);
     for moved in [lifted, tilted, floor_tilted] {
-        let runs = |method: Method, depth: f32, first: u64| -> Vec<Vec<f64>> {
-            let scene = pressed_in(depth);
-            let along = direction(&scene, &[moved]);
-            let one = |seed| gradient(&scene, &settings(&scene, method, 128, seed), &along);
-            (first..first + 12).map(one).collect()
-        };
-        let reference = runs(Method::Reparam, 2e-4, 1000);
+        let in_it = runs_of(pressed_in(2e-4), moved, Method::Reparam, 1000);
         for (method, depth) in [(Method::Reparam, 2e-5), (Method::Edges, 0.0)] {
-            let ours = Agreement::new(&runs(method, depth, 1), &reference);
-            println!("{method:?} {depth} {}: {ours:.4?}", moved.0);
-            assert!(ours.bias.error < 0.03, "{ours:.4?}");
-            assert!(ours.holds(4.0), "{ours:.4?}");
+            println!("{method:?} {depth} {}", moved.0);
+            agree([&runs_of(pressed_in(depth), moved, method, 1), &in_it]);
         }
     }
 }
@@ -157,18 +167,10 @@ fn walls_that_meet_at_their_rims_are_walls_that_go_on() {
         ("floor.translation", &[0.0, 0.0, 1.0]),
     ];
     for moved in moved {
-        let runs = |method: Method, beyond: f32, first: u64| -> Vec<Vec<f64>> {
-            let scene = corner(beyond);
-            let along = direction(&scene, &[moved]);
-            let one = |seed| gradient(&scene, &settings(&scene, method, 128, seed), &along);
-            (first..first + 12).map(one).collect()
-        };
-        let go_on = runs(Method::Reparam, 0.3, 1000);
+        let go_on = runs_of(corner(0.3), moved, Method::Reparam, 1000);
         for method in [Method::Reparam, Method::Edges] {
-            let ours = Agreement::new(&runs(method, 0.0, 1), &go_on);
-            println!("{method:?} {}: {ours:.4?}", moved.0);
-            assert!(ours.bias.error < 0.03, "{ours:.4?}");
-            assert!(ours.holds(4.0), "{ours:.4?}");
+            println!("{method:?} {}", moved.0);
+            agree([&runs_of(corner(0.0), moved, method, 1), &go_on]);
         }
     }
 }
