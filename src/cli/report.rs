@@ -35,6 +35,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub largest_parts: BTreeMap<String, f64>,
     pub warnings: Vec<String>,
+    /// Warnings of the engine that are still to be given.
+    #[serde(skip)]
+    doubts: Vec<String>,
     pub notes: Vec<String>,
     /// How `auto` has come to what it did.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,6 +85,7 @@ impl Report {
             rejected: BTreeMap::new(),
             largest_parts: BTreeMap::new(),
             warnings: Vec::new(),
+            doubts: Vec::new(),
             notes: Vec::new(),
             pilot: None,
             peak_memory_bytes: None,
@@ -103,6 +107,11 @@ impl Report {
         if statistics.pilot.is_some() {
             self.pilot.clone_from(&statistics.pilot);
         }
+        for warning in &statistics.warnings {
+            if !self.doubts.contains(warning) {
+                self.doubts.push(warning.clone());
+            }
+        }
         for note in &statistics.notes {
             if !self.notes.contains(note) {
                 self.notes.push(note.clone());
@@ -112,7 +121,7 @@ impl Report {
 
     /// What was lost on the way, where it matters.
     pub fn losses(&self) -> Vec<String> {
-        let mut losses = Vec::new();
+        let mut losses = self.doubts.clone();
         for (cause, &count) in self.rejected.iter().filter(|(_, count)| **count > 0) {
             let cells = count + self.silhouettes;
             match cause.as_str() {

@@ -15,6 +15,7 @@ use super::render::{Along, group_images};
 use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::statistics::Statistics;
+use super::step_comparison::StepComparison;
 use super::steps::Steps;
 use crate::picture::Image;
 use crate::scene::Rgb;
@@ -74,10 +75,29 @@ fn by_steps(
     statistics.notes.push(steps.in_words());
     statistics.notes.extend(steps.doubt().map(String::from));
     let mut sums = Sums::default();
+    let mut compared = StepComparison::default();
     displaced.render(direction, steps, progress, &mut statistics, |it| {
         sums.add(&it);
+        compared.add(&it);
     })?;
+    let doubt = displaced.doubt(compared, (direction, steps), progress)?;
+    statistics.warnings.extend(doubt);
     Ok(sums.finish(statistics))
+}
+
+/// How far differences over the two steps are apart, if that is more than may be, all with the
+/// samples of the settings.
+pub fn apart(
+    prepared: &Prepared,
+    settings: &Settings,
+    direction: &[(Parameter, Vec<f32>)],
+    steps: &Steps,
+    progress: &dyn Progress,
+) -> Result<Option<f64>, EngineError> {
+    let displaced = Displaced::new(prepared, settings);
+    let compared = displaced.compare_evenly(direction, steps, progress)?;
+    prepared.parts.keep_followers(displaced.followers);
+    Ok(compared.apart())
 }
 
 /// The images of one displaced scene.
@@ -85,7 +105,11 @@ pub struct DisplacedImages {
     /// Of each group of samples.
     pub groups: Vec<Vec<Rgb>>,
     pub size: [usize; 2],
-    /// The difference is the sum of all images times theirs.
+    /// Which of the differences it belongs to.
+    pub difference: usize,
+    /// That difference is the sum of its images times theirs.
+    pub per_step: f64,
+    /// The derivative is the sum of all images times theirs.
     pub weight: f64,
     /// Of the samples.
     share: f64,
@@ -131,9 +155,10 @@ impl<'a> Displaced<'a> {
         let moving: Vec<_> = direction.iter().map(|(p, _)| p.clone()).collect();
         let request = parameters::wanted(prepared.scene, &moving, self.settings.sensor)?;
         let black_goes_on = refusals::asks_about_black(prepared.scene, &request);
-        let images = steps.differences.iter().flat_map(|difference| {
+        let images = steps.differences.iter().enumerate();
+        let images = images.flat_map(|(number, difference)| {
             let settings = steps.settings_of(difference, &self.settings);
-            [-1.0, 1.0].map(|side| (difference, side, settings.clone()))
+            [-1.0, 1.0].map(|side| ((number, difference), side, settings.clone()))
         });
         let images: Vec<_> = images.collect();
         let samples = |(_, _, settings): &(_, _, Settings)| u64::from(settings.spp);
@@ -141,7 +166,7 @@ impl<'a> Displaced<'a> {
         let mut before = 0;
         for image in images {
             let of_image = samples(&image);
-            let (difference, side, settings) = image;
+            let ((number, difference), side, settings) = image;
             let by = side * difference.reach * step;
             let start = Instant::now();
             let mut displaced = EditedScene::new(base);
@@ -164,6 +189,8 @@ impl<'a> Displaced<'a> {
                 each(DisplacedImages {
                     groups,
                     size,
+                    difference: number,
+                    per_step: 1.0 / (2.0 * by),
                     weight: difference.weight / (2.0 * by),
                     share: difference.share,
                 });
@@ -174,6 +201,37 @@ impl<'a> Displaced<'a> {
             }
         }
         Ok(())
+    }
+}
+
+impl Displaced<'_> {
+    /// Why differences are no derivative, if what was seen of their two steps says so.
+    pub fn doubt(
+        &self,
+        compared: StepComparison,
+        (direction, steps): (&[(Parameter, Vec<f32>)], &Steps),
+        progress: &dyn Progress,
+    ) -> Result<Option<String>, EngineError> {
+        // The few samples of the longer step may have missed what is rare.
+        if compared.apart().is_some() && steps.carried().is_some() {
+            let evenly = self.compare_evenly(direction, steps, progress)?;
+            return Ok(evenly.warning());
+        }
+        Ok(compared.warning())
+    }
+
+    /// Both steps with all samples.
+    fn compare_evenly(
+        &self,
+        direction: &[(Parameter, Vec<f32>)],
+        steps: &Steps,
+        progress: &dyn Progress,
+    ) -> Result<StepComparison, EngineError> {
+        let mut compared = StepComparison::default();
+        let none = &mut Statistics::default();
+        let steps = steps.evenly();
+        self.render(direction, &steps, progress, none, |it| compared.add(&it))?;
+        Ok(compared)
     }
 }
 

@@ -36,6 +36,7 @@ mod settings;
 mod spare;
 mod stage;
 mod statistics;
+mod step_comparison;
 mod steps;
 mod tails;
 mod trials;

@@ -14,6 +14,7 @@ use super::progress::Progress;
 use super::render::render;
 use super::results::BackwardGradient;
 use super::settings::{Groups, Settings};
+use super::step_comparison::StepComparison;
 use super::steps::Steps;
 use super::tails::add_largest_parts;
 use crate::gradient::terms::Terms;
@@ -74,11 +75,16 @@ pub fn backward(
             let steps = Steps::usual(prepared, settings, &direction)?;
             doubt = doubt.or(steps.doubt());
             let (progress, statistics) = (part(finished), &mut done.statistics);
+            let mut compared = StepComparison::default();
             displaced.render(&direction, &steps, &progress, statistics, |it| {
                 for (sums, image) in of_groups.iter_mut().zip(&it.groups) {
                     sums[number] += it.weight * weighed(image, &adjoint.pixels);
                 }
+                compared.add(&it);
             })?;
+            let warning = displaced.doubt(compared, (&direction, &steps), &progress)?;
+            let warning = warning.map(|why| format!("{}, number {number}: {why}", parameter.key));
+            done.statistics.warnings.extend(warning);
             finished += 1;
         }
         let mean = |i| Estimate::mean_of(of_groups.iter().map(|group| group[i])).value as f32;

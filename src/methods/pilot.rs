@@ -127,7 +127,7 @@ impl Prepared<'_> {
             Some(_) => trials.run_all()?,
             None => trials.run_mixtures()?,
         }
-        let (way, pilot) = trials.best();
+        let (way, pilot) = trials.best()?;
         let answer = trials.answer(way, pilot, survey)?;
         if !way.is_difference() {
             drop(self.parts.take_followers(settings.backend));

@@ -7,3 +7,13 @@ pub trait Progress: Sync {
     /// Whether the user wants it to stop.
     fn cancelled(&self) -> bool;
 }
+
+/// Says nothing of how far it is.
+pub struct Quietly<'a>(pub &'a dyn Progress);
+
+impl Progress for Quietly<'_> {
+    fn advance(&self, _: u64, _: u64) {}
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}

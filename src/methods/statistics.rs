@@ -28,6 +28,8 @@ pub struct Statistics {
     /// of paths or one border on the film in the sum of their squares, of a gradient image (under
     /// `gradient`) that of one pixel in a thousand in the variance.
     pub largest_parts: BTreeMap<String, f64>,
+    /// What the user must know to trust the result.
+    pub warnings: Vec<String>,
     /// Remarks for the user.
     pub notes: Vec<String>,
     /// Of a pilot: the pixels of each tile, and what was done there.
@@ -46,6 +48,9 @@ pub struct Pilot {
     pub because: Option<String>,
     /// The usual way first.
     pub trials: Vec<Trial>,
+    /// Why differences were not taken although they have the least noise for their work.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_differences: Option<String>,
     /// By how much, about, the variance falls for the same work because samples are spent where the
     /// noise lies, if they are.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,7 +127,9 @@ impl Pilot {
                 "auto spends samples where the noise lies: 1/{gain:.1} of the variance for the same work"
             )
         });
-        lines.chain([self.summary()]).chain(uneven).collect()
+        let refused = self.no_differences.iter().map(|why| format!("auto: {why}"));
+        let lines = lines.chain(refused).chain([self.summary()]);
+        lines.chain(uneven).collect()
     }
 }
 

@@ -34,6 +34,16 @@ pub struct Central {
     pub share: f64,
 }
 
+impl Central {
+    const fn with_all_samples(&self) -> Self {
+        Self {
+            reach: self.reach,
+            weight: self.weight,
+            share: 1.0,
+        }
+    }
+}
+
 /// With the same random numbers in both.
 const AT_REST: &[Central] = &[
     Central {
@@ -60,6 +70,9 @@ const CARRIED: &[Central] = &[
         share: 1.0 / 16.0,
     },
 ];
+
+/// The same with all samples in both, to compare them.
+const CARRIED_EVENLY: &[Central] = &[CARRIED[0].with_all_samples(), CARRIED[1].with_all_samples()];
 
 /// Renderings that a difference takes, and about how many one whose samples are carried.
 pub const IMAGES: usize = 2 * AT_REST.len();
@@ -134,6 +147,18 @@ impl Steps {
     pub fn first(&self) -> Self {
         let differences = match self.carried {
             Some(_) => &self.differences[..1],
+            None => self.differences,
+        };
+        Self {
+            differences,
+            ..self.clone()
+        }
+    }
+
+    /// All differences with the same samples.
+    pub fn evenly(&self) -> Self {
+        let differences = match self.carried {
+            Some(_) => CARRIED_EVENLY,
             None => self.differences,
         };
         Self {

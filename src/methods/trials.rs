@@ -8,7 +8,7 @@ use super::estimators::Method;
 use super::looks::{self, Job, Look};
 use super::noise_map::{NoiseMap, Plan, Survey};
 use super::prepared::Prepared;
-use super::progress::Progress;
+use super::progress::{Progress, Quietly};
 use super::results::ForwardGradient;
 use super::settings::Settings;
 use super::stage::Stage;
@@ -134,14 +134,10 @@ impl<'a> Trials<'a> {
     }
 
     fn look_by_differences(&self, settings: &Settings) -> Result<ForwardGradient, EngineError> {
-        let settings = Settings {
-            method: Method::CarriedFd,
-            ..settings.clone()
-        };
         let quiet = Quietly(self.progress);
         differences::look(
             self.prepared,
-            &settings,
+            &by_differences(settings),
             self.direction,
             self.steps(),
             &quiet,
@@ -276,9 +272,25 @@ impl<'a> Trials<'a> {
         self.run_mixtures()
     }
 
-    /// What has the least noise for its work, and how that was found.
-    pub fn best(&self) -> (Contender, Pilot) {
-        (self.done.best(), self.done.pilot())
+    /// What has the least noise for its work, and how that was found. Differences over steps that
+    /// do not agree are left to who asks for them: their standard errors do not tell.
+    pub fn best(&self) -> Result<(Contender, Pilot), EngineError> {
+        let (best, mut pilot) = (self.done.best(), self.done.pilot());
+        let Some(tried) = self.done.of(best).filter(|_| best.is_difference()) else {
+            return Ok((best, pilot));
+        };
+        let look = Look::new(self.prepared, &self.settings, self.job, tried.paths)?;
+        let settings = by_differences(&look.settings);
+        let (steps, quiet) = (self.steps(), Quietly(self.progress));
+        let apart = differences::apart(self.prepared, &settings, self.direction, steps, &quiet)?;
+        let Some(apart) = apart else {
+            return Ok((best, pilot));
+        };
+        pilot.no_differences = Some(format!(
+            "no differences: over two steps they are {} % of the gradient apart",
+            (100.0 * apart).round()
+        ));
+        Ok((self.done.best_mixture().way, pilot))
     }
 
     /// The answer, with a survey of the film if that is asked for.
@@ -413,6 +425,13 @@ fn drifts(stage: &Stage, usual: Option<Drift>, is_dense: bool) -> Vec<OnFilm> {
     films
 }
 
+fn by_differences(settings: &Settings) -> Settings {
+    Settings {
+        method: Method::CarriedFd,
+        ..settings.clone()
+    }
+}
+
 /// Of all numbers of a gradient image, from its standard errors.
 fn variance(found: &ForwardGradient) -> f64 {
     let errors = found
@@ -421,14 +440,4 @@ fn variance(found: &ForwardGradient) -> f64 {
         .flat_map(|image| &image.pixels)
         .flatten();
     errors.map(|e| f64::from(*e).powi(2)).sum()
-}
-
-/// Says nothing of how far it is.
-struct Quietly<'a>(&'a dyn Progress);
-
-impl Progress for Quietly<'_> {
-    fn advance(&self, _: u64, _: u64) {}
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }

@@ -6,6 +6,9 @@ use super::sigmas::of_chi_squared;
 use crate::picture::Image;
 use serde::Serialize;
 
+/// Of the brightest pixel: what rounding leaves in the difference of two images.
+pub const PICTURE_ROUNDING: f64 = 1e-6;
+
 /// Differences below this share of the largest number are rounding, which has no error bar.
 const ROUNDING: f64 = 1e-4;
 

@@ -11,7 +11,7 @@ const LOOSENED: f64 = if cfg!(feature = "all-samples") {
 } else {
     1.5
 };
-/// So many pixels are compared as one.
+/// So many pixels are compared as one by χ².
 const POOLED: usize = if cfg!(feature = "all-samples") { 1 } else { 4 };
 /// Samples are multiplied by this much more than a standard error promises to need.
 const SPARE: f64 = 1.3;
@@ -105,8 +105,9 @@ impl Compared {
     }
 }
 
-/// Of sums over a few pixels beside one another: with few samples differences are skewed in single
-/// pixels, most of which meet no border, and that would be taken for a bias.
+/// How far they are apart in size, and in sums over a few pixels beside one another: with few samples
+/// differences are skewed in single pixels, most of which meet no border, and χ² would take that for
+/// a bias.
 pub fn agreement(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> Agreement {
     let sums = |run: &Vec<f64>| -> Vec<f64> {
         let of = |pixels: &[f64], channel| pixels.iter().skip(channel).step_by(3).sum();
@@ -114,8 +115,10 @@ pub fn agreement(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> Agreement {
         few.flat_map(|pixels| [0, 1, 2].map(|channel| of(pixels, channel)))
             .collect()
     };
-    let [ours, theirs]: [Vec<_>; 2] = [ours, theirs].map(|runs| runs.iter().map(sums).collect());
-    Agreement::new(&ours, &theirs)
+    let pooled = [ours, theirs].map(|runs| runs.iter().map(sums).collect::<Vec<_>>());
+    let mut agreement = Agreement::new(ours, theirs);
+    agreement.chi_squared = Agreement::new(&pooled[0], &pooled[1]).chi_squared;
+    agreement
 }
 
 /// With how many samples to begin.

@@ -4,10 +4,10 @@
 use common::comparison::{RESOLUTION, SIGMAS, SKY, close_up, compared, foliage, small_floor};
 use common::materials::Paint;
 use common::scenes::*;
-use common::{Quiet, direction, gradient, settings, variance};
+use common::{Direction, Quiet, direction, gradient, settings, variance};
 use glam::{Vec2, vec3};
-use warpath::methods::{Method, Question, Settings, decide};
-use warpath::scene::{Lens, Scene};
+use warpath::methods::{Method, Question, Settings, decide, forward};
+use warpath::scene::{Lens, Scene, load};
 use warpath::statistics::agreement::Agreement;
 
 const CAMERA: [(&str, &[f32]); 2] = [
@@ -145,4 +145,37 @@ fn auto_takes_them() {
     let (settled, pilot) =
         decide(&scene, &own, &Question::Forward(&along), &Quiet).expect("a decision");
     assert_eq!(settled.method, Method::CarriedFd, "{pilot:?}");
+}
+
+/// A floor that is seen nearly from its side turns out of sight within a step, and what the steps
+/// add up to is no derivative. It is said, and `auto` takes none.
+#[test]
+fn what_passes_within_a_step_is_told() {
+    let warnings = |scene: &Scene, along: &Direction, method| {
+        let settings = Settings {
+            standard_error: true,
+            ..settings(scene, method, 64, 1)
+        };
+        let done = forward(scene, &settings, along, &Quiet).expect("a gradient image");
+        done.statistics.warnings
+    };
+    for scene in [foliage(), metal()] {
+        let along = direction(&scene, &CAMERA);
+        for method in [Method::Fd, Method::CarriedFd] {
+            assert!(warnings(&scene, &along, method).is_empty());
+        }
+    }
+    let height = ("height".into(), "0.02".into());
+    let scene = load("scenes/failures/grazing.xml", &[height]).expect("a scene");
+    let along = direction(&scene, &[("floor.rotation", &[1.0, 0.0, 0.0])]);
+    for method in [Method::Fd, Method::CarriedFd] {
+        let warnings = warnings(&scene, &along, method);
+        println!("{warnings:?}");
+        assert!(warnings.iter().any(|w| w.contains("apart")));
+    }
+    let asked = settings(&scene, Method::Auto, 64, 1);
+    let decided = decide(&scene, &asked, &Question::Forward(&along), &Quiet);
+    let (settled, pilot) = decided.expect("a decision");
+    println!("{pilot:?}");
+    assert!(settled.method == Method::Auto && pilot.no_differences.is_some());
 }

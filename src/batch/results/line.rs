@@ -134,6 +134,7 @@ impl ResultLine {
             *self.rejected.entry(cause.into()).or_default() += count;
         }
         self.largest_parts.extend(statistics.largest_parts.clone());
+        self.warnings.extend(statistics.warnings.clone());
         *self.thread_seconds.get_or_insert_default() += statistics.tile_seconds;
     }
 

@@ -10,9 +10,9 @@ use super::exit::Failure;
 use super::session::{self, Session};
 use crate::jobs::direction;
 use crate::scene::Filter;
-use crate::statistics::comparison::Comparison;
+use crate::statistics::comparison::{Comparison, PICTURE_ROUNDING};
 use report::{FOUND, conclude, write_images};
-use runs::{Check, MOST_RUNS, PICTURE_ROUNDING, SHORTER};
+use runs::{Check, MOST_RUNS, SHORTER};
 use std::ffi::OsString;
 use verdict::{Circumstances, Outcome, SIGNIFICANT, cannot_tell, judge};
 

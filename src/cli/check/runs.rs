@@ -11,7 +11,7 @@ use crate::methods::{
     self, ForwardGradient, Image, Method, Objective, Question, Settings, Statistics,
 };
 use crate::scene::parameters::{self, Parameter};
-use crate::statistics::comparison::Comparison;
+use crate::statistics::comparison::{Comparison, PICTURE_ROUNDING};
 use crate::statistics::replicates::Replicates;
 use std::time::Instant;
 
@@ -23,8 +23,6 @@ const LEAST_RUNS: usize = 8;
 pub const MOST_RUNS: usize = 32;
 /// Where the usual steps are doubted, so many times shorter ones are asked.
 pub const SHORTER: f64 = 16.0;
-/// Of the brightest pixel: what rounding leaves in the difference of two images.
-pub const PICTURE_ROUNDING: f64 = 1e-6;
 
 /// The runs of a check, done and to come.
 pub struct Check {

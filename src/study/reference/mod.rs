@@ -11,12 +11,11 @@ use super::task::Task;
 use crate::jobs::failure::Failure;
 use crate::jobs::seeds::{FIRST_REFERENCE_SEED, nth_seed};
 use crate::methods::{self, Method, Progress, Settings};
+use crate::statistics::comparison::PICTURE_ROUNDING;
 use crate::statistics::estimate::Estimate;
 use rungs::Rungs;
 use std::path::Path;
 
-/// Of the brightest pixel: what rounding leaves in the difference of two images.
-const PICTURE_ROUNDING: f64 = 1e-6;
 /// Below this part of the mean's square, what stands out of the noise is taken for noise.
 const LEAST_SIGNAL: f64 = 0.1;
 
