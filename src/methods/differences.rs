@@ -4,6 +4,7 @@
 //! Russian roulette is off, since a path that ends because θ moved is a jump that no derivative
 //! has.
 
+use super::displaced_images::DisplacedImages;
 use super::edited::{Base, EditedScene};
 use super::error::EngineError;
 use super::followers::Followers;
@@ -98,21 +99,6 @@ pub fn apart(
     let compared = displaced.compare_evenly(direction, steps, progress)?;
     prepared.parts.keep_followers(displaced.followers);
     Ok(compared.apart())
-}
-
-/// The images of one displaced scene.
-pub struct DisplacedImages {
-    /// Of each group of samples.
-    pub groups: Vec<Vec<Rgb>>,
-    pub size: [usize; 2],
-    /// Which of the differences it belongs to.
-    pub difference: usize,
-    /// That difference is the sum of its images times theirs.
-    pub per_step: f64,
-    /// The derivative is the sum of all images times theirs.
-    pub weight: f64,
-    /// Of the samples.
-    share: f64,
 }
 
 /// Renders displaced scenes.

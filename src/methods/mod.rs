@@ -8,6 +8,7 @@ mod decisions;
 mod difference_step;
 mod differences;
 mod dispatch;
+mod displaced_images;
 mod edited;
 mod edits;
 mod error;

@@ -5,7 +5,7 @@
 //! sight, it is another number altogether, and its standard error knows nothing of that. But then
 //! the two differences that each derivative is made of (`super::steps`) are not alike, either.
 
-use super::differences::DisplacedImages;
+use super::displaced_images::DisplacedImages;
 use crate::picture::Image;
 use crate::statistics::comparison::{Comparison, PICTURE_ROUNDING};
 use crate::statistics::estimate::Estimate;

@@ -105,9 +105,9 @@ impl Compared {
     }
 }
 
-/// How far they are apart in size, and in sums over a few pixels beside one another: with few samples
-/// differences are skewed in single pixels, most of which meet no border, and χ² would take that for
-/// a bias.
+/// How far they are apart in size, and in sums over a few pixels beside one another: with few
+/// samples differences are skewed in single pixels, most of which meet no border, and χ² would take
+/// that for a bias.
 pub fn agreement(ours: &[Vec<f64>], theirs: &[Vec<f64>]) -> Agreement {
     let sums = |run: &Vec<f64>| -> Vec<f64> {
         let of = |pixels: &[f64], channel| pixels.iter().skip(channel).step_by(3).sum();
