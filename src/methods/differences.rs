@@ -82,7 +82,7 @@ fn by_steps(
         compared.add(&it);
     })?;
     let doubt = displaced.doubt(compared, (direction, steps), progress)?;
-    statistics.warnings.extend(doubt);
+    statistics.warnings.extend(doubt.map(String::from));
     Ok(sums.finish(statistics))
 }
 
@@ -197,7 +197,7 @@ impl Displaced<'_> {
         compared: StepComparison,
         (direction, steps): (&[(Parameter, Vec<f32>)], &Steps),
         progress: &dyn Progress,
-    ) -> Result<Option<String>, EngineError> {
+    ) -> Result<Option<&'static str>, EngineError> {
         // The few samples of the longer step may have missed what is rare.
         if compared.apart().is_some() && steps.carried().is_some() {
             let evenly = self.compare_evenly(direction, steps, progress)?;

@@ -18,6 +18,9 @@ use crate::statistics::replicates::Replicates;
 const PARTS: usize = 4;
 /// Standard errors by which differences have to be apart to be called so.
 const SIGMAS: f64 = 4.0;
+/// Pixels that are kept at most, so that large images take no more memory: beyond that pixels are
+/// added up in squares.
+const PIXELS: usize = 1 << 16;
 /// What the longer step may lack, as a part of what it lacks of a jump.
 const TOLERANCE: f64 = 0.93;
 
@@ -29,6 +32,8 @@ pub struct StepComparison {
 
 /// A difference by parts of the samples.
 struct Parts {
+    /// Pixels along a square that counts as one, and such squares along the image.
+    square: usize,
     size: [usize; 2],
     /// Sums over groups, and of how many.
     sums: Vec<Vec<[f64; 3]>>,
@@ -66,22 +71,25 @@ impl StepComparison {
         (!compared.agrees(SIGMAS, TOLERANCE * of_jump)).then_some(apart)
     }
 
-    /// That in words.
-    pub fn warning(&self) -> Option<String> {
-        let percent = (100.0 * self.apart()?).round();
-        Some(format!(
-            "finite differences over the two steps are {percent} % of the gradient apart: what moves passes something \
-             within a step, so that neither may be the derivative; --method reparam has no step"
-        ))
+    /// That in words, the same for all runs.
+    pub fn warning(&self) -> Option<&'static str> {
+        self.apart().map(|_| {
+            "finite differences over the two steps are far apart: what moves passes something within a step, so that \
+             neither may be the derivative; --method reparam has no step"
+        })
     }
 }
 
 impl Parts {
     fn new(it: &DisplacedImages) -> Self {
         let parts = it.groups.len().min(PARTS);
+        let pixels = it.size[0] * it.size[1];
+        let square = (pixels as f64 / PIXELS as f64).sqrt().ceil().max(1.0) as usize;
+        let size = it.size.map(|side| side.div_ceil(square));
         Self {
-            size: it.size,
-            sums: vec![vec![[0.0; 3]; it.size[0] * it.size[1]]; parts],
+            square,
+            size,
+            sums: vec![vec![[0.0; 3]; size[0] * size[1]]; parts],
             groups: vec![0; parts],
             per_step: it.per_step.abs(),
             rounding: 0.0,
@@ -94,7 +102,10 @@ impl Parts {
         let mut brightest = 0.0_f32;
         for (group, image) in it.groups.iter().enumerate() {
             self.groups[group % parts] += usize::from(it.per_step > 0.0);
-            for (sum, value) in self.sums[group % parts].iter_mut().zip(image) {
+            let sums = &mut self.sums[group % parts];
+            for (i, value) in image.iter().enumerate() {
+                let [x, y] = [i % it.size[0], i / it.size[0]].map(|at| at / self.square);
+                let sum = &mut sums[y * self.size[0] + x];
                 for (sum, value) in sum.iter_mut().zip(value) {
                     *sum += it.per_step * f64::from(*value);
                     brightest = brightest.max(value.abs());

@@ -171,7 +171,7 @@ fn what_passes_within_a_step_is_told() {
     for method in [Method::Fd, Method::CarriedFd] {
         let warnings = warnings(&scene, &along, method);
         println!("{warnings:?}");
-        assert!(warnings.iter().any(|w| w.contains("apart")));
+        assert!(warnings.iter().any(|w| w.contains("far apart")));
     }
     let asked = settings(&scene, Method::Auto, 64, 1);
     let decided = decide(&scene, &asked, &Question::Forward(&along), &Quiet);
