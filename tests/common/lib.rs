@@ -80,6 +80,17 @@ pub fn gradient(scene: &Scene, settings: &Settings, direction: &Direction) -> Ve
     )
 }
 
+/// Gradient images with these seeds.
+pub fn runs(
+    scene: &Scene,
+    (method, spp): (Method, u32),
+    direction: &Direction,
+    seeds: std::ops::Range<u64>,
+) -> Vec<Vec<f64>> {
+    let of = |seed| gradient(scene, &settings(scene, method, spp, seed), direction);
+    seeds.map(of).collect()
+}
+
 /// Fails if a thousandth of all cells whose ends differ have no silhouette that was found.
 pub fn loses_nothing(scene: &Scene, settings: &Settings, direction: &Direction) {
     let statistics = methods::forward(scene, settings, direction, &Quiet)
@@ -99,8 +110,7 @@ pub fn variance(
     seeds: std::ops::Range<u64>,
 ) -> f64 {
     let count = (seeds.end - seeds.start) as f64;
-    let of = |seed| gradient(scene, &settings(scene, method, spp, seed), direction);
-    let runs: Vec<Vec<f64>> = seeds.map(of).collect();
+    let runs = runs(scene, (method, spp), direction, seeds);
     let of_number = |i: usize| {
         let mean = runs.iter().map(|r| r[i]).sum::<f64>() / count;
         runs.iter().map(|r| (r[i] - mean).powi(2)).sum::<f64>() / (count - 1.0)

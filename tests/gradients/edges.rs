@@ -5,7 +5,7 @@ use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{Quiet, direction, gradient, settings};
+use common::{Quiet, direction, runs, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{Method, forward};
 use warpath::scene::{Distribution, Scene};
@@ -19,14 +19,8 @@ const SIGMAS: f64 = 4.0;
 /// samples of each; the standard error of the difference is at most this part of the gradient.
 fn agree(scene: &Scene, parts: &[(&str, &[f32])], spp: u32, resolution: f64) {
     let along = direction(scene, parts);
-    let runs = |method: Method, spp: u32, first: u64| -> Vec<Vec<f64>> {
-        let seeds = first..first + RUNS;
-        seeds
-            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
-            .collect()
-    };
-    let ours = |spp| runs(Method::Edges, spp, 1);
-    let theirs = |spp| runs(Method::Reparam, spp, 1000);
+    let ours = |spp| runs(scene, (Method::Edges, spp), &along, 1..1 + RUNS);
+    let theirs = |spp| runs(scene, (Method::Reparam, spp), &along, 1000..1000 + RUNS);
     let agreement = compared(spp, resolution, [&ours, &theirs]).agreement;
     assert!(agreement.holds(SIGMAS), "{agreement:.4?}");
 }

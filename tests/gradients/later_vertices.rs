@@ -4,7 +4,7 @@
 use common::comparison::compared;
 use common::materials::*;
 use common::scenes::*;
-use common::{direction, gradient, settings};
+use common::{direction, runs};
 use glam::{Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::Scene;
@@ -36,14 +36,8 @@ fn dark_wall() -> Scene {
 
 fn check(what: &str, scene: &Scene) {
     let along = direction(scene, &[("block.translation", &[0.2, 0.3, 1.0])]);
-    let runs = |method: Method, spp: u32, first: u64| -> Vec<Vec<f64>> {
-        let seeds = first..first + RUNS;
-        seeds
-            .map(|seed| gradient(scene, &settings(scene, method, spp, seed), &along))
-            .collect()
-    };
-    let ours = |spp| runs(Method::Reparam, spp, 1);
-    let theirs = |spp| runs(Method::Edges, spp, 100);
+    let ours = |spp| runs(scene, (Method::Reparam, spp), &along, 1..1 + RUNS);
+    let theirs = |spp| runs(scene, (Method::Edges, spp), &along, 100..100 + RUNS);
     println!("{what}");
     let agreement = compared(SPP, RESOLUTION, [&ours, &theirs]).agreement;
     assert!(agreement.holds(SIGMAS), "{what}: {agreement:.4?}");

@@ -5,7 +5,7 @@ use common::comparison::{Interior::Fails, Runs, SIGMAS, SKY, check_to, compared}
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{Quiet, direction, dot, gradient, loses_nothing, settings};
+use common::{Quiet, direction, dot, gradient, loses_nothing, runs, settings};
 use glam::{Vec3, vec3};
 use warpath::methods::{Method, forward};
 use warpath::scene::{DeltaLightKind, Scene};
@@ -99,10 +99,7 @@ fn runs_of(
     first: u64,
 ) -> impl Fn(u32) -> Vec<Vec<f64>> {
     let along = direction(&scene, &[moved]);
-    move |spp| {
-        let one = |seed| gradient(&scene, &settings(&scene, method, spp, seed), &along);
-        (first..first + 12).map(one).collect()
-    }
+    move |spp| runs(&scene, (method, spp), &along, first..first + 12)
 }
 
 fn agree(runs: [Runs; 2]) {
