@@ -177,6 +177,7 @@ fn add(shares: &[(&Part, &ResultLine)], output: &Path) -> Result<ResultLine, Fai
     for (_, line) in shares {
         add_counts(&mut result.rays, &line.rays);
         add_counts(&mut result.rejected, &line.rejected);
+        result.note_missing(line.missing_part);
     }
     let mut files = results.files()?;
     files.retain(|file| is_wanted(file.name, sum.share.outputs.as_deref()));

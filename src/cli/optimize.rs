@@ -173,7 +173,7 @@ fn report(
         "held_out_psnr_db": summary.held_out.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "seconds": summary.statistics.seconds,
         "rays": summary.statistics.rays,
-        "silhouettes": summary.statistics.silhouettes,
+        "silhouettes": summary.statistics.borders.all().found,
         "rejected": summary.statistics.rejected,
         "warnings": summary.warnings,
         "pilot": summary.pilot,

@@ -31,6 +31,9 @@ pub struct Report {
     /// Samples of borders that were found: pieces of outlines, chains, ends of shadows.
     pub silhouettes: u64,
     pub rejected: BTreeMap<String, u64>,
+    /// See [`Statistics::missing_part`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missing_part: Option<f64>,
     /// See [`Statistics::largest_parts`].
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub largest_parts: BTreeMap<String, f64>,
@@ -83,6 +86,7 @@ impl Report {
             rays: BTreeMap::new(),
             silhouettes: 0,
             rejected: BTreeMap::new(),
+            missing_part: None,
             largest_parts: BTreeMap::new(),
             warnings: Vec::new(),
             doubts: Vec::new(),
@@ -98,8 +102,10 @@ impl Report {
     pub fn absorb(&mut self, statistics: &Statistics) {
         add(&mut self.seconds, &statistics.seconds);
         add(&mut self.rays, &statistics.rays);
-        self.silhouettes += statistics.silhouettes;
+        self.silhouettes += statistics.borders.all().found;
         add(&mut self.rejected, &statistics.rejected);
+        let parts = [self.missing_part, statistics.missing_part()];
+        self.missing_part = parts.into_iter().flatten().reduce(f64::max);
         for (key, &share) in &statistics.largest_parts {
             let most = self.largest_parts.entry(key.clone()).or_default();
             *most = most.max(share);
@@ -127,7 +133,11 @@ impl Report {
             match cause.as_str() {
                 "silhouette_not_found" if count as f64 <= MISSING_SHARE * cells as f64 => {}
                 "silhouette_not_found" => losses.push(format!(
-                    "{count} of {cells} cells had no silhouette found; their part of the gradient is missing"
+                    "{count} of {cells} cells had no silhouette found; their part of the gradient is missing{}",
+                    self.missing_part.map_or(String::new(), |part| format!(
+                        ", about {:.2} % of what silhouettes bring if they are like the others",
+                        100.0 * part
+                    ))
                 )),
                 "surfaces_coincide" => losses.push(format!(
                     "at {count} places surfaces lie in one plane, and it is chance which of them is seen: how that \

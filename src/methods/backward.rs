@@ -234,6 +234,7 @@ impl Tools<'_> {
         self.stores.give_back(traced.store);
         let mut counts = traced.counts;
         counts.gradient_not_finite += gradient.not_finite;
+        counts.borders.add_brought(&gradient.brought);
         ((block, gradient), counts)
     }
 }

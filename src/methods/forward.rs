@@ -20,15 +20,16 @@ use super::tails::share_of_worst_pixels;
 use crate::gradient::path::forward::ForwardSweep;
 use crate::gradient::scene::forward::Motion;
 use crate::lanes::{LANES, Lane};
-use crate::paths::boundary_sample::Coordinate;
+use crate::paths::boundary_sample::{BoundarySample, Coordinate};
 use crate::paths::film::drift::DriftVelocity;
-use crate::paths::film::filter::Block;
+use crate::paths::film::filter::{Block, Taps};
 use crate::paths::film::tile::TracedTile;
+use crate::paths::integral::{Borders, ByIntegral};
 use crate::paths::integrator::Integrator;
 use crate::paths::rays::to_rgb;
 use crate::paths::store::TileStore;
 use crate::paths::warp::seam::Warp;
-use crate::scene::SceneDifferential;
+use crate::scene::{Rgb, SceneDifferential};
 use std::time::Instant;
 
 /// dI/dθ along `tangent`, with its standard error; `boundary` makes what finds the boundary terms.
@@ -169,7 +170,13 @@ fn differentiate(
             Some(moving) => moving.derivative,
             None => {
                 let at = moved.film_point();
-                to_rgb(sweep.radiance_derivative(&traced.store, number, at))
+                let [x, y] = &traced.taps;
+                let borders = &mut traced.counts.borders;
+                let mut each = |sample: &BoundarySample, brings| {
+                    let [x, y] = [&x[packet.column + sample.lane as usize], &y[packet.row]];
+                    add_size(borders, sample, [x, y], brings);
+                };
+                to_rgb(sweep.path_derivative(&traced.store, number, at, &[], &mut each))
             }
         };
         for lane in (0..LANES).filter(|&l| packet.active >> l & 1 == 1) {
@@ -209,17 +216,34 @@ fn differentiate(
             continue;
         };
         let mut is_finite = true;
+        let borders = &mut traced.counts.borders;
         stage.filter.along(at, &piece, |share, at, [x, y]| {
             let (velocity, _) = drift.map_or(([0.0; 2], 0.0), |d| d.at(at));
             let value = sweep.film_boundary(&traced.store.found, sample, at, velocity);
-            match value.iter().all(|c| c.is_finite()) {
-                true => block.add_point(x, y, value.map(|c| c * share)),
-                false => is_finite = false,
+            if value.iter().all(|c| c.is_finite()) {
+                let value = value.map(|c| c * share);
+                block.add_point(x, y, value);
+                add_size(borders, sample, [x, y], value);
+            } else {
+                is_finite = false;
             }
         });
         traced.counts.gradient_not_finite += u64::from(!is_finite);
     }
     block
+}
+
+/// Notes how much a border brings to the image.
+fn add_size(
+    borders: &mut ByIntegral<Borders>,
+    sample: &BoundarySample,
+    [x, y]: [&Taps; 2],
+    brings: Rgb,
+) {
+    let size = brings.map(|c| f64::from(c).powi(2)).iter().sum::<f64>();
+    if size.is_finite() {
+        borders[sample.at.integral()].brought += x.sum() * y.sum() * size.sqrt();
+    }
 }
 
 /// Adds what the paths through facets that are seen edge-on bring.

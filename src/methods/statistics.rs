@@ -4,6 +4,7 @@ use super::contender::Contender;
 use crate::boundary::mixture::Mixture;
 use crate::paths::counts::Counts;
 use crate::paths::film::lattice::Pixels;
+use crate::paths::integral::{Borders, ByIntegral};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -13,8 +14,8 @@ use std::time::Instant;
 pub struct Statistics {
     /// Rays traced, by kind: camera, shadow, bounce, …
     pub rays: BTreeMap<&'static str, u64>,
-    /// Samples of borders that were found: see [`Counts::resolved`].
-    pub silhouettes: u64,
+    /// Borders that were looked for, by the integral.
+    pub borders: ByIntegral<Borders>,
     /// Those at which something that moves stands on something else.
     pub standing: u64,
     /// Samples rejected, by cause.
@@ -161,7 +162,7 @@ impl Statistics {
         for (&kind, &count) in &other.rays {
             *self.rays.entry(kind).or_default() += count;
         }
-        self.silhouettes += other.silhouettes;
+        self.borders += other.borders;
         self.standing += other.standing;
         for (&cause, &count) in &other.rejected {
             *self.rejected.entry(cause).or_default() += count;
@@ -171,6 +172,13 @@ impl Statistics {
         if self.pilot.is_none() {
             self.pilot.clone_from(&other.pilot);
         }
+    }
+
+    /// About what part of all that borders bring is missing because some were not found
+    /// ([`ByIntegral::missing_part`]); `None` if none is.
+    pub fn missing_part(&self) -> Option<f64> {
+        let lost = self.borders.all().lost > 0;
+        lost.then(|| self.borders.missing_part())?
     }
 
     /// Adds what tiles counted.
@@ -189,7 +197,7 @@ impl Statistics {
         for (kind, count) in rays.into_iter().filter(|r| r.1 > 0) {
             *self.rays.entry(kind).or_default() += count;
         }
-        self.silhouettes += counts.resolved;
+        self.borders += counts.borders;
         self.standing += counts.standing;
         let rejected = [
             ("not_finite", counts.not_finite),

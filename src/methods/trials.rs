@@ -350,7 +350,7 @@ impl<'a> Trials<'a> {
         NoiseMap::new(stderr, &found.statistics.tiles, |counts| {
             let mut statistics = Statistics::default();
             statistics.add_counts(counts);
-            self.work_of(way, &statistics.rays) + BORDER_US * counts.resolved as f64
+            self.work_of(way, &statistics.rays) + BORDER_US * counts.borders.all().found as f64
         })
     }
 }

@@ -3,6 +3,7 @@
 use crate::discontinuity::boundary::Boundary;
 use crate::paths::chain_vertex::ChainVertex;
 use crate::paths::counts::Counts;
+use crate::paths::integral::Integral;
 use crate::scene::Rgb;
 
 /// A place where an integrand jumps, in one of the integrals along a path.
@@ -69,6 +70,18 @@ pub enum Coordinate {
     Lobe([f64; 3]),
 }
 
+impl Coordinate {
+    /// The integral that it is a coordinate of.
+    pub fn integral(&self) -> Integral {
+        match self {
+            Coordinate::Film { .. } => Integral::Film,
+            Coordinate::Light { .. } => Integral::Lights,
+            Coordinate::Environment(_) => Integral::Environment,
+            Coordinate::Lobe(_) => Integral::Lobes,
+        }
+    }
+}
+
 /// What an estimator found, and what that took.
 #[derive(Default)]
 pub struct Found {
@@ -90,6 +103,15 @@ impl Found {
     pub fn chain(&self, sample: &BoundarySample) -> &[ChainVertex] {
         let [from, to] = sample.chain.map(|i| i as usize);
         &self.chains[from..to]
+    }
+
+    /// Looks for the borders of an integral, and counts them.
+    pub fn search(&mut self, integral: Integral, search: impl FnOnce(&mut Self)) {
+        let (samples, lost) = (self.samples.len(), self.counts.unresolved);
+        search(self);
+        let borders = &mut self.counts.borders[integral];
+        borders.found += (self.samples.len() - samples) as u64;
+        borders.lost += self.counts.unresolved - lost;
     }
 
     /// Forgets everything, and keeps the memory.

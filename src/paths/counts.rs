@@ -1,6 +1,7 @@
 //! What was done while tiles were traced.
 
 use crate::discontinuity::between::Unresolved;
+use crate::paths::integral::{Borders, ByIntegral};
 
 /// What was done: rays traced by kind, and silhouettes that could not be found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,10 +21,9 @@ pub struct Counts {
     pub probe: u64,
     /// Rays of the paths that are compared at relays (`paths::relay`).
     pub relay: u64,
-    /// Samples of borders that were found, one for each piece of an outline, each chain and each
-    /// end of a shadow; a cell may have several.
-    pub resolved: u64,
-    /// Cells whose ends differ though no silhouette was found between them.
+    /// Borders that were looked for, by the integral.
+    pub borders: ByIntegral<Borders>,
+    /// Cells whose ends differ though no silhouette was found between them: all that are lost.
     pub unresolved: u64,
     /// Cells whose ends see surfaces that coincide.
     pub coincident: u64,
@@ -73,7 +73,7 @@ impl std::ops::AddAssign for Counts {
         self.edge += o.edge;
         self.probe += o.probe;
         self.relay += o.relay;
-        self.resolved += o.resolved;
+        self.borders += o.borders;
         self.unresolved += o.unresolved;
         self.coincident += o.coincident;
         self.standing += o.standing;

@@ -16,6 +16,7 @@ use crate::paths::boundary_sample::Found;
 use crate::paths::film::drift::Drift;
 use crate::paths::film::filter::FilmFilter;
 use crate::paths::film::lattice::{Lattice, LatticeImage, Tile};
+use crate::paths::integral::Integral;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
@@ -73,6 +74,25 @@ pub trait BoundaryEstimator: Sync {
     /// Over the directions of a lobe: jumps of the radiance that arrives at a vertex whose bounce
     /// has been traced.
     fn lobe(&self, _at: &At, _bounce: &Bounce, _out: &mut Found) {}
+}
+
+/// The same, counting what is found and what is lost.
+impl dyn BoundaryEstimator + '_ {
+    pub fn search_film(&self, film: &FilmTile, out: &mut Found) {
+        out.search(Integral::Film, |out| self.film(film, out));
+    }
+
+    pub fn search_light(&self, at: &At, draw: &LightDraw, out: &mut Found) {
+        out.search(Integral::Lights, |out| self.light(at, draw, out));
+    }
+
+    pub fn search_environment(&self, at: &At, out: &mut Found) {
+        out.search(Integral::Environment, |out| self.environment(at, out));
+    }
+
+    pub fn search_lobe(&self, at: &At, bounce: &Bounce, out: &mut Found) {
+        out.search(Integral::Lobes, |out| self.lobe(at, bounce, out));
+    }
 }
 
 /// The estimator that finds nothing: what is left is the derivative that ignores visibility.

@@ -240,7 +240,7 @@ impl Integrator<'_> {
             // Samples that move each in their own way share nothing.
             let shared = bounces && warp.is_none();
             let (light, draw) = at.sample_light(shared, &mut store.counts);
-            self.estimator.light(&at, &draw, &mut store.found);
+            self.estimator.search_light(&at, &draw, &mut store.found);
             vertices.light = light;
             if let Some(warp) = warp {
                 self.follow_light(warp, vertices, surface, numbers, store);
@@ -255,7 +255,7 @@ impl Integrator<'_> {
             };
             let moved = warp.map(|warp| (warp.environment_kernel(), self.twin));
             let (sample, axis) = at.sample_environment(distribution, moved, &mut store.counts);
-            self.estimator.environment(&at, &mut store.found);
+            self.estimator.search_environment(&at, &mut store.found);
             let first_follow = store.follows.len() as u32;
             if let Some(warp) = warp {
                 let samples = MapSamples {
@@ -393,7 +393,7 @@ impl Integrator<'_> {
             rays: &path.rays,
             seen,
         };
-        self.estimator.lobe(&at, &bounce, found);
+        self.estimator.search_lobe(&at, &bounce, found);
         if let (Some(warp), Some(drawn)) = (self.estimator.warp(), &path.drawn) {
             let bounce = WarpedBounce {
                 bounce,

@@ -17,6 +17,7 @@ pub mod drift_body;
 pub mod environment;
 pub mod estimator;
 pub mod film;
+pub mod integral;
 pub mod integrator;
 pub mod leaving;
 pub mod light;

@@ -97,7 +97,7 @@ pub fn loses_nothing(scene: &Scene, settings: &Settings, direction: &Direction) 
         .expect("a gradient image")
         .statistics;
     let lost = statistics.rejected.get("silhouette_not_found").copied();
-    let (lost, found) = (lost.unwrap_or(0), statistics.silhouettes);
+    let (lost, found) = (lost.unwrap_or(0), statistics.borders.all().found);
     println!("{lost} of {}", found + lost);
     assert!(lost * 1000 < found, "{lost} of {found}");
 }

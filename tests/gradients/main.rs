@@ -30,6 +30,7 @@ mod later_vertices;
 mod lens;
 #[cfg(feature = "long-tests")]
 mod long;
+mod missing_part;
 mod mixtures;
 mod needs;
 mod number_by_number;

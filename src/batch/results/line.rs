@@ -46,6 +46,9 @@ pub struct ResultLine {
     pub rays: BTreeMap<String, u64>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub rejected: BTreeMap<String, u64>,
+    /// About what part of all that silhouettes bring is missing, if some were not found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing_part: Option<f64>,
     /// The share of a gradient's variance that its largest part carries, by key.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub largest_parts: BTreeMap<String, f64>,
@@ -133,9 +136,16 @@ impl ResultLine {
         for (&cause, &count) in &statistics.rejected {
             *self.rejected.entry(cause.into()).or_default() += count;
         }
+        self.note_missing(statistics.missing_part());
         self.largest_parts.extend(statistics.largest_parts.clone());
         self.warnings.extend(statistics.warnings.clone());
         *self.thread_seconds.get_or_insert_default() += statistics.tile_seconds;
+    }
+
+    /// Takes a missing part over, if it is larger than what was known.
+    pub fn note_missing(&mut self, part: Option<f64>) {
+        let parts = [self.missing_part, part].into_iter().flatten();
+        self.missing_part = parts.reduce(f64::max);
     }
 
     /// Whether the job's results are there.

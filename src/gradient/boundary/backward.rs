@@ -138,7 +138,13 @@ impl BackwardSweep<'_> {
         bar: f64,
         sums: &mut TileSums,
     ) -> (DVec3, DVec3) {
-        let scatter = |v, bar| self.scatter_vertex(v, bar, sums);
+        let integral = sample.at.integral();
+        let scatter = |v, bar: DVec3| {
+            if bar.is_finite() {
+                sums.brought[integral] += bar.length();
+            }
+            self.scatter_vertex(v, bar, sums);
+        };
         let geometry = self.view.geometry;
         sample.boundary.side_adjoint(geometry, x, d, bar, scatter)
     }

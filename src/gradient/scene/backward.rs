@@ -7,6 +7,7 @@ use crate::lanes::{LANES, Lane, V3};
 use crate::paths::drift_body::BodyMotion;
 use crate::paths::film::camera::Camera;
 use crate::paths::film::drift::Drift;
+use crate::paths::integral::ByIntegral;
 use crate::paths::rays::lane_of;
 use crate::paths::surface::texture::Lookup;
 use crate::room::{self, NoRoom};
@@ -60,6 +61,8 @@ pub struct TileSums {
     pub to_uv: Vec<[f64; 6]>,
     /// Whether few terms carry it all.
     terms: Terms,
+    /// What borders have brought, added up as sizes.
+    pub brought: ByIntegral<f64>,
     /// Terms that were left out because they were not finite.
     not_finite: u64,
 }
@@ -68,6 +71,8 @@ pub struct TileSums {
 pub struct TileGradient {
     /// Terms that were left out because they were not finite.
     pub not_finite: u64,
+    /// What borders have brought, added up as sizes.
+    pub brought: ByIntegral<f64>,
     positions: Vec<(u32, Vec3)>,
     normals: Vec<(u32, Vec3)>,
     texels: Vec<(u32, Vec3)>,
@@ -101,6 +106,7 @@ impl TileSums {
             delta_lights: vec![DVec3::ZERO; scene.delta_lights.len()],
             to_uv: vec![[0.0; 6]; scene.textures.len()],
             terms: Terms::new(scene.meshes.len(), scene.textures.len()),
+            brought: ByIntegral::default(),
             not_finite: 0,
         }
     }
@@ -219,6 +225,7 @@ impl TileSums {
     pub fn take(&mut self) -> TileGradient {
         TileGradient {
             not_finite: std::mem::take(&mut self.not_finite),
+            brought: std::mem::take(&mut self.brought),
             positions: self.positions.drain(),
             normals: self.normals.drain(),
             texels: self.texels.drain(),

@@ -133,6 +133,11 @@ impl FilmFilter {
 
 impl Taps {
     /// Over all pixels.
+    pub fn sum(&self) -> f64 {
+        self.iter().map(|(_, w)| f64::from(w)).sum()
+    }
+
+    /// Likewise.
     pub fn sum_of_squares(&self) -> f64 {
         self.iter().map(|(_, w)| f64::from(w).powi(2)).sum()
     }

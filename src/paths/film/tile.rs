@@ -145,11 +145,10 @@ impl TracedTile {
             filter: filter.filter,
             drift,
         };
-        estimator.film(&film, &mut store.found);
+        estimator.search_film(&film, &mut store.found);
         store.counts.not_finite = not_finite;
         let mut counts = store.counts;
         counts += store.found.counts;
-        counts.resolved += store.found.samples.len() as u64;
         let taps = [filter.tile_taps(&tile, 0), filter.tile_taps(&tile, 1)];
         Self {
             tile,
