@@ -154,7 +154,7 @@ impl Statistics {
         self.spend(stage, start.elapsed().as_secs_f64());
     }
 
-    /// Adds what another run did, but for its remarks.
+    /// Adds what another run did, but for its notes.
     pub fn absorb(&mut self, other: &Statistics) {
         for (&stage, &seconds) in &other.seconds {
             self.spend(stage, seconds);
@@ -166,6 +166,11 @@ impl Statistics {
         self.standing += other.standing;
         for (&cause, &count) in &other.rejected {
             *self.rejected.entry(cause).or_default() += count;
+        }
+        for warning in &other.warnings {
+            if !self.warnings.contains(warning) {
+                self.warnings.push(warning.clone());
+            }
         }
         self.tile_seconds += other.tile_seconds;
         self.tiles.extend_from_slice(&other.tiles);

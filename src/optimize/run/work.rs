@@ -197,15 +197,16 @@ fn whole(
         errors: written.errors,
         distances: written.distances,
         colours: written.colours,
-        statistics,
         spent: [setup, in_loop, results],
         own_steps: state.step - first_step,
         warnings: problem
             .warnings
             .iter()
             .cloned()
+            .chain(statistics.warnings.iter().cloned())
             .chain(written.warnings)
             .collect(),
+        statistics,
         files: written.files,
         scene_hash: problem.base.scene.hash,
         pilot: problem.pilot.clone(),
@@ -304,7 +305,11 @@ fn shown_steps(
         ranks.agree(wanted, &|| state.fingerprint())?;
         problem.remesh(state)?;
         let found = advance(problem, state, ranks, &progress)?;
+        let known = statistics.warnings.len();
         statistics.absorb(&found.statistics);
+        for warning in &statistics.warnings[known..] {
+            watch.warn(&format!("step {}: {warning}", state.step));
+        }
         if let Some(record) = state.history.last() {
             watch.stepped(record, total);
             warn(record, state, watch);

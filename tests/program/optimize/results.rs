@@ -121,3 +121,28 @@ fn the_final_scene_is_the_scene() {
     }
     assert!(images[0] == images[1]);
 }
+
+/// A floor that turns out of sight within the step of differences.
+#[test]
+fn what_the_engine_warns_of_is_handed_on_once() {
+    let directory = workplace();
+    let at = directory.path();
+    let scene = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/scenes/failures/grazing.xml\"\ndefines = { height = \"0.02\" }"
+    );
+    let config = CONFIG
+        .replace("s.xml\"", scene)
+        .replace("steps = 6", "steps = 2")
+        .replace("[render]\nspp = 8", "[render]\nspp = 64\nmethod = \"fd\"")
+        .replace("lr = 0.02", "lr = 1e-4")
+        .replace("card.translation", "floor.rotation")
+        .replace("[0.1, 0, 0]", "[1e-3, 0, 0]");
+    std::fs::write(at.join("c.toml"), config).unwrap();
+    let (code, said) = optimize(at, "c.toml", &["-o", "out"]);
+    assert_eq!(code, Some(0), "{said}");
+    let told = "floor.rotation, number 0: finite differences over the two steps are far apart";
+    assert_eq!(said.matches(told).count(), 1, "{said}");
+    let report = std::fs::read_to_string(at.join("out/report.json")).unwrap();
+    assert_eq!(report.matches(told).count(), 1, "{report}");
+}
