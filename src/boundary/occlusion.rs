@@ -33,10 +33,16 @@ pub const MAX_OCCLUDERS: usize = 1024;
 const CLEAR: f64 = 10.0;
 pub const MOST_PROBE: f64 = 0.1;
 
-/// How far beside a crossing that is seen along `d` probes look: an angle as seen from `origin`,
+/// How far beside a crossing that is seen along `d` probes look: an angle as seen from `origin`, at
+/// this `reach` from which rays begin,
 /// and the fraction of the cell that it must not exceed. What the radiance changes by over that
 /// distance is taken for a part of its jump, so it is as small as it can be.
-pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: DVec3) -> [f64; 2] {
+pub fn probe_angle(
+    geometry: &Geometry,
+    crossing: &Crossing,
+    (origin, reach): (DVec3, f64),
+    d: DVec3,
+) -> [f64; 2] {
     let Some(point) = crossing.boundary.seen_along(geometry, origin, d) else {
         return [f64::INFINITY, PROBE];
     };
@@ -44,7 +50,7 @@ pub fn probe_angle(geometry: &Geometry, crossing: &Crossing, origin: DVec3, d: D
         let distance = clear_of(geometry, &crossing.boundary, point);
         [distance / point.distance(origin), MOST_PROBE]
     } else {
-        [nearest_angle(geometry, point, origin), PROBE]
+        [nearest_angle(geometry, point, origin, reach), PROBE]
     }
 }
 
@@ -65,10 +71,10 @@ pub fn clear_of(geometry: &Geometry, boundary: &Boundary, point: DVec3) -> f64 {
 }
 
 /// The smallest angle, as seen from `origin`, at which single precision still tells two rays apart
-/// that end near `point`.
-pub fn nearest_angle(geometry: &Geometry, point: DVec3, origin: DVec3) -> f64 {
+/// that end near `point` and begin at this `reach` from `origin`.
+pub fn nearest_angle(geometry: &Geometry, point: DVec3, origin: DVec3, reach: f64) -> f64 {
     let distance = point.distance(origin);
-    NEAREST * (geometry.room(point) + distance) / distance
+    NEAREST * (geometry.room(point) + distance - reach) / distance
 }
 
 /// A point of a surface from which rays leave.
@@ -257,7 +263,7 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
 /// edge is so near that single precision takes it for elsewhere, as under a sheet that lies on a
 /// table, that is farther.
 fn past(geometry: &Geometry, fold: &Fold, start: DVec3, whole_angle: f64) -> f64 {
-    let least = nearest_angle(geometry, fold.point, start) / whole_angle;
+    let least = nearest_angle(geometry, fold.point, start, 0.0) / whole_angle;
     PROBE.max(least.min(MOST_PROBE))
 }
 

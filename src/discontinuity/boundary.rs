@@ -46,12 +46,18 @@ pub enum Boundary {
     Plane(DVec3),
 }
 
+/// Across the plane through the origin and two points, a × b as a × (b − a): of points that are far
+/// away next to one another the one is all rounding.
+pub fn plane_through([a, b]: [DVec3; 2]) -> DVec3 {
+    a.cross(b - a)
+}
+
 impl Boundary {
     /// c in F = c·d, seen from `o`.
     pub fn normal(&self, geometry: &Geometry, o: DVec3) -> DVec3 {
         let at = |v: u32| geometry.positions[v as usize].as_dvec3() - o;
         match *self {
-            Boundary::Edge([a, b]) => at(a).cross(at(b)),
+            Boundary::Edge(edge) => plane_through(edge.map(at)),
             Boundary::Crease([a, b]) => {
                 let [a, b] = [a.map(at), b.map(at)];
                 let [na, nb] = [a, b].map(|[p, q, r]| (q - p).cross(r - p));
@@ -65,7 +71,7 @@ impl Boundary {
             Boundary::TextureEdge { triangle, ends } => {
                 let [a, b, c] = triangle.map(at);
                 let [p, q] = ends.map(|[s, t]| a + (b - a) * s + (c - a) * t);
-                p.cross(q)
+                plane_through([p, q])
             }
             Boundary::Plane(normal) => normal,
         }
@@ -79,7 +85,7 @@ impl Boundary {
         };
         let [a, b] = edge.map(|v| geometry.positions[v as usize].as_dvec3() - o);
         // Across d, in the plane of the edge and o.
-        let across = a.cross(b).cross(d);
+        let across = plane_through([a, b]).cross(d);
         let along = a.dot(across) / (a - b).dot(across);
         if (0.0..=1.0).contains(&along) {
             Boundary::Point { edge, along, line }
@@ -101,7 +107,7 @@ impl Boundary {
         };
         let [a, b] = edge.map(|v| geometry.positions[v as usize].as_dvec3() - o);
         // Across d, in the plane of the edge and o.
-        let across = a.cross(b).cross(d);
+        let across = plane_through([a, b]).cross(d);
         let along = a.dot(across) / (a - b).dot(across);
         // An edge that is seen along itself is seen at any of its points.
         let along = if along.is_nan() {

@@ -23,7 +23,7 @@ pub struct Gauged {
 
 impl Gauge {
     pub fn new(arc: &Arc) -> Self {
-        let normal = arc.a.cross(arc.b);
+        let normal = arc.normal();
         Self {
             normal,
             toward_b: normal.cross(arc.a),

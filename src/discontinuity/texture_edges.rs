@@ -8,7 +8,7 @@
 
 use crate::discontinuity::adjacency::Across;
 use crate::discontinuity::arc::Arc;
-use crate::discontinuity::boundary::Boundary;
+use crate::discontinuity::boundary::{Boundary, plane_through};
 use crate::trace::geometry::Geometry;
 use glam::DVec3;
 
@@ -41,7 +41,7 @@ pub fn lines(
     let corners = geometry.triangles[triangle as usize];
     let uv = corners.map(|v| geometry.uvs[v as usize].as_dvec2().extend(1.0));
     let [p, q, r] = points;
-    let weights = [q.cross(r), r.cross(p), p.cross(q)];
+    let weights = [[q, r], [r, p], [p, q]].map(plane_through);
     let ends = [from, to].map(|s| DVec3::from(weights.map(|w| w.dot(arc.direction(s)))));
     for ruling in &pattern.rulings {
         let g = DVec3::from(uv.map(|uv| ruling.dot(uv)));

@@ -28,7 +28,7 @@ use crate::paths::film::node_hits::{self, Hit, NodeHits};
 use crate::paths::moving::Moving;
 use crate::paths::scene_view::SceneView;
 use crate::scene::parameters::{Parameter, tangent};
-use crate::scene::{Lens, Scene, SceneDifferential};
+use crate::scene::{Scene, SceneDifferential};
 use rayon::prelude::*;
 
 /// Points count by this power of how near they are.
@@ -41,13 +41,12 @@ const IN_FRONT: f64 = 0.9;
 /// film must not be folded.
 pub const MOST_PIXELS: f64 = 0.3;
 
-/// Whether samples can be carried along a direction: something moves that is seen, by a
-/// perspective, and no pixel begins with a jump.
+/// Whether samples can be carried along a direction: something moves that is seen, and no pixel
+/// begins with a jump.
 pub fn is_possible(scene: &Scene, settings: &Settings, tangent: &SceneDifferential) -> bool {
     let sensor = &scene.sensors[settings.sensor];
     let moves = tangent.camera.is_some() || tangent.positions.iter().any(Option::is_some);
-    let is_parallel = matches!(sensor.lens, Lens::Parallel { .. });
-    moves && !is_parallel && sensor.film.filter.is_continuous()
+    moves && sensor.film.filter.is_continuous()
 }
 
 /// What carries the samples along a direction, if anything does.
@@ -92,13 +91,14 @@ pub fn velocity(
 
 /// What a node follows.
 fn followed(view: &SceneView, seen: &NodeHits) -> Vec<Followed> {
-    let distances = seen.hits.iter().filter(|h| h.moves).map(|h| h.distance);
+    let distance = |h: &Hit| h.distance - view.camera.reach();
+    let distances = seen.hits.iter().filter(|h| h.moves).map(distance);
     let nearest = distances.fold(f64::INFINITY, f64::min);
     if nearest == f64::INFINITY {
         return Vec::new();
     }
-    let counts = |h: &&Hit| h.moves || h.distance < IN_FRONT * nearest;
-    let weight = |h: &Hit| (nearest / h.distance).powi(NEARER);
+    let counts = |h: &&Hit| h.moves || distance(h) < IN_FRONT * nearest;
+    let weight = |h: &Hit| (nearest / distance(h)).powi(NEARER);
     let sum: f64 = seen.hits.iter().filter(counts).map(weight).sum();
     let hits = seen.hits.iter().filter(counts);
     hits.map(|h| seen.follow(view, h, weight(h) / sum))

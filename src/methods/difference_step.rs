@@ -27,8 +27,16 @@ pub fn step(
     let width = settings
         .resolution
         .map_or(scene.sensors[settings.sensor].film.width, |r| r[0]) as f64;
-    // Pixels per unit of (velocity over depth).
-    let pixels = width / (2.0 * camera.tan_half_x_fov);
+    // Of a parallel projection: pixels per unit of length.
+    let per_length = camera
+        .parallel_half_width()
+        .map(|half| width / (2.0 * half));
+    // Pixels per radian.
+    let pixels = match per_length {
+        None => width / (2.0 * camera.tan_half_x_fov),
+        Some(_) => width,
+    };
+    let per_length_at = |distance: f64| per_length.unwrap_or(pixels / distance.max(1e-6));
     let mut fastest: f64 = 0.0;
     for (mesh, velocities) in scene.meshes.iter().zip(&tangent.positions) {
         let Some(velocities) = velocities else {
@@ -36,32 +44,33 @@ pub fn step(
         };
         for (p, v) in mesh.positions.iter().zip(velocities) {
             let distance = (*p - camera.origin).length() as f64;
-            fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
+            fastest = fastest.max(v.length() as f64 * per_length_at(distance));
         }
     }
     for (light, velocity) in scene.delta_lights.iter().zip(&tangent.delta_lights) {
         if let (DeltaLightKind::Point { position }, Some(v)) = (&light.kind, velocity) {
             let distance = (*position - camera.origin).length() as f64;
-            fastest = fastest.max(v.length() as f64 / distance.max(1e-6) * pixels);
+            fastest = fastest.max(v.length() as f64 * per_length_at(distance));
         }
     }
     if let Some(motion) = &tangent.environment {
         fastest = fastest.max(motion.rotation.length() as f64 * pixels);
     }
     if let Some(motion) = &tangent.camera {
-        let nearest = scene
-            .meshes
-            .iter()
-            .flat_map(|m| &m.positions)
-            .map(|p| (*p - camera.origin).dot(camera.axes[2]))
-            .filter(|depth| *depth > camera.near_clip)
-            .fold(f32::INFINITY, f32::min) as f64;
-        let by_translation = motion.translation.length() as f64 / nearest;
+        let points = scene.meshes.iter().flat_map(|m| &m.positions);
+        let depths = points.map(|p| (*p - camera.origin).dot(camera.axes[2]));
+        let seen = depths.filter(|depth| *depth > camera.near_clip);
+        let [nearest, farthest] = seen.fold([f32::INFINITY, 0.0], |[low, high], depth| {
+            [low.min(depth), high.max(depth)]
+        });
+        let by_translation = motion.translation.length() as f64 * per_length_at(nearest.into());
         let by_turn = motion.rotation.length() as f64 + (motion.x_fov_deg as f64).to_radians();
         let leans = motion.axes.iter().map(|a| a.length() as f64).sum::<f64>();
-        let by_shift = 2.0 * motion.principal_point_offset.length() as f64 * camera.tan_half_x_fov;
-        let turns = by_turn + leans + by_shift;
-        fastest = fastest.max((by_translation + turns) * pixels);
+        // What is far is moved by as much, and the film itself by half its width.
+        let per_turn = per_length.map(|p| p * f64::from(farthest) + 0.5 * width);
+        let by_turn = (by_turn + leans) * per_turn.unwrap_or(pixels);
+        let by_shift = motion.principal_point_offset.length() as f64 * width;
+        fastest = fastest.max(by_translation + by_turn + by_shift);
     }
     fastest = fastest.max(fastest_in_reliefs(scene, &tangent) * pixels);
     let step = match fastest > 0.0 && fastest.is_finite() {

@@ -107,6 +107,8 @@ pub enum Discontinuity {
     TextureEdge,
     /// What is seen through a lens with an aperture.
     ThroughLens,
+    /// What a parallel projection sees.
+    InParallel,
 }
 
 /// How a gradient is computed.
@@ -134,6 +136,7 @@ const FOUND_BY_CELLS: Discontinuities = Discontinuities::Found(&[
     Discontinuity::Mirrored,
     Discontinuity::BehindNull,
     Discontinuity::ThroughLens,
+    Discontinuity::InParallel,
 ]);
 
 /// All methods, the usual one first.

@@ -211,6 +211,18 @@ fn differentiate(
         traced.splat_by([x, &slopes[1]], &carried[1], &mut block);
     }
     add_facets(stage, sweep, drift, traced, &mut block);
+    add_film_borders(stage, sweep, drift, traced, &mut block);
+    block
+}
+
+/// Adds what borders on the film bring.
+fn add_film_borders(
+    stage: &Stage,
+    sweep: &ForwardSweep,
+    drift: Option<&DriftVelocity>,
+    traced: &mut TracedTile,
+    block: &mut Block,
+) {
     for sample in traced.store.film_boundary() {
         let Coordinate::Film { at, piece } = sample.at else {
             continue;
@@ -230,7 +242,6 @@ fn differentiate(
         });
         traced.counts.gradient_not_finite += u64::from(!is_finite);
     }
-    block
 }
 
 /// Notes how much a border brings to the image.

@@ -42,7 +42,7 @@ pub fn check(
     if !moves {
         return Ok(());
     }
-    if let Some(what) = behind_a_lens(sensor, misses(Discontinuity::ThroughLens)) {
+    if let Some(what) = behind_a_lens(sensor, misses) {
         return refuse(what);
     }
     let used = scene.meshes.iter().flat_map(|m| scene.parts_of(m.material));
@@ -131,12 +131,19 @@ fn is_layered(bsdf: &Bsdf) -> bool {
     }
 }
 
-/// Why edges that a camera sees are not found, if those through a lens with an aperture are not.
-fn behind_a_lens(sensor: &Sensor, misses_lens: bool) -> Option<String> {
+/// Sides of a film that differ by less are rounded.
+const UNEVEN: f32 = 1e-5;
+
+/// Why edges that a camera sees are not found.
+fn behind_a_lens(sensor: &Sensor, misses: impl Fn(Discontinuity) -> bool) -> Option<String> {
     let kind = match sensor.lens {
         Lens::Pinhole => return None,
-        Lens::Thin { .. } if !misses_lens => return None,
+        Lens::Thin { .. } if !misses(Discontinuity::ThroughLens) => return None,
         Lens::Thin { .. } => "through a lens with an aperture",
+        Lens::Parallel { half_sides } if (half_sides.x / half_sides.y - 1.0).abs() > UNEVEN => {
+            "by a parallel projection that is scaled unevenly"
+        }
+        Lens::Parallel { .. } if !misses(Discontinuity::InParallel) => return None,
         Lens::Parallel { .. } => "by a parallel projection",
     };
     Some(format!(

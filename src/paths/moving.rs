@@ -6,6 +6,7 @@
 //! silhouette by the chance of finding it (`boundary::inclusion`) needs all that lies beside it,
 //! moving or not.
 
+use crate::discontinuity::arc::normal_between;
 use crate::discontinuity::boundary::Boundary;
 use crate::lanes::LANES;
 use crate::scene::{RAY_OFFSET, Scene, SceneDifferential};
@@ -53,7 +54,7 @@ pub struct Sector {
 impl Sector {
     /// Between the directions `a` and `b`.
     pub fn between(origin: DVec3, a: DVec3, b: DVec3) -> Self {
-        let normal = a.cross(b);
+        let normal = normal_between(a, b);
         Self {
             origin,
             normal,

@@ -5,9 +5,9 @@ use common::comparison::{RESOLUTION, SIGMAS, SKY, close_up, compared, foliage, s
 use common::materials::Paint;
 use common::scenes::*;
 use common::{Direction, Quiet, direction, gradient, settings, variance};
-use glam::{Vec2, vec3};
+use glam::vec3;
 use warpath::methods::{Method, Question, Settings, decide, forward};
-use warpath::scene::{Lens, Scene, load};
+use warpath::scene::{Scene, load};
 use warpath::statistics::agreement::Agreement;
 
 const CAMERA: [(&str, &[f32]); 2] = [
@@ -106,15 +106,11 @@ fn they_are_less_noisy() {
 /// Where nothing can be carried they are differences, to the last bit.
 #[test]
 fn some_films_rest() {
-    let mut parallel = metal();
-    parallel.sensors[0].lens = Lens::Parallel {
-        half_sides: Vec2::ONE,
-    };
     let mut boxes = metal();
     boxes.sensors[0].film.filter = BOX;
     let moved: [(&str, &[f32]); 1] = [("thing.translation", &[1.0, 0.3, 0.2])];
     let coloured: [(&str, &[f32]); 1] = [("floor.bsdf.reflectance.value", &[1.0, 0.5, 0.2])];
-    for (scene, parts) in [(parallel, moved), (boxes, moved), (metal(), coloured)] {
+    for (scene, parts) in [(boxes, moved), (metal(), coloured)] {
         let along = direction(&scene, &parts);
         let [rest, carried] = [Method::Fd, Method::CarriedFd]
             .map(|method| gradient(&scene, &settings(&scene, method, 4, 1), &along));

@@ -35,6 +35,7 @@ mod mixtures;
 mod needs;
 mod number_by_number;
 mod outlines;
+mod parallel;
 mod refusals;
 mod relays;
 mod second_estimator;

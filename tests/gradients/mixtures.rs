@@ -9,7 +9,7 @@ use common::transposition::{
     all_parameters, both_sides_by, difference, prepared, random_values, random_weight,
 };
 use common::{Direction, Quiet, direction, flat, gradient, settings, variance};
-use glam::{Vec2, Vec3, vec3};
+use glam::{Vec3, vec2, vec3};
 use warpath::methods::{
     Constants, Method, Mixture, OnFilm, OverLobes, Pilot, Prepared, Question, Settings, decide,
     forward,
@@ -330,11 +330,11 @@ fn it_says_why_nothing_is_tried() {
     };
     assert_eq!(why(&scene, &colour).1, "nothing that moves has edges");
     scene.sensors[0].lens = Lens::Parallel {
-        half_sides: Vec2::ONE,
+        half_sides: vec2(1.0, 0.8),
     };
     let moved = direction(&scene, &[("ball.translation", &MOVED)]);
     let (chosen, because) = why(&scene, &moved);
-    assert_eq!(chosen, Method::Fd.title());
+    assert_eq!(chosen, Method::CarriedFd.title());
     assert!(because.contains("parallel projection"), "{because}");
     let keys: Vec<_> = moved.iter().map(|(p, _)| p.clone()).collect();
     // So few numbers may have a difference each; paths are asked for by both modes together.

@@ -165,12 +165,17 @@ fn lenses() {
     taken(&thin, Method::Edges, "block.translation", &MOVED);
     refused_by(&thin, Method::Loubet, "block.translation", "aperture");
     refused_by(&thin, Method::WarpedArea, "cam.translation", "aperture");
-    let parallel = seen_by(Lens::Parallel {
-        half_sides: vec2(1.0, 1.0),
+    let [parallel, uneven] = [1.0, 0.8].map(|y| {
+        seen_by(Lens::Parallel {
+            half_sides: vec2(1.0, y),
+        })
     });
-    refused(&parallel, "block.translation", &MOVED, "cam");
-    refused(&parallel, "cam.translation", &MOVED, "cam");
+    taken(&parallel, Method::Reparam, "block.translation", &MOVED);
+    refused_by(&parallel, Method::Edges, "block.translation", "parallel");
+    refused_by(&parallel, Method::Loubet, "cam.translation", "parallel");
+    refused(&uneven, "block.translation", &MOVED, "unevenly");
+    refused(&uneven, "cam.translation", &MOVED, "unevenly");
     let paint = "floor.bsdf.brdf_0.reflectance.value";
     taken(&thin, Method::Reparam, paint, &MOVED);
-    taken(&parallel, Method::Reparam, paint, &MOVED);
+    taken(&uneven, Method::Reparam, paint, &MOVED);
 }

@@ -18,7 +18,7 @@ use crate::lanes::{LANES, Lane, V3};
 use crate::paths::counts::Counts;
 use crate::paths::rays::lane_of;
 use crate::trace::geometry::NO_TRIANGLE;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -83,7 +83,7 @@ pub struct Met<C> {
 
 /// A packet of looks at the radiance, in pairs of lanes on the two sides of what was met.
 pub struct Look {
-    pub directions: [Vec3; LANES],
+    pub directions: [DVec3; LANES],
     pub sides: Sides,
     /// The triangles that the lanes see.
     pub seen: [u32; LANES],
@@ -172,7 +172,7 @@ impl<'a, C: Cell> LineSearch<'a, C> {
     pub fn see(
         &mut self,
         candidates: &[Candidate<C>],
-        first_hits: impl Fn(&[Vec3; LANES], u32) -> [u32; LANES],
+        first_hits: impl Fn(&[DVec3; LANES], u32) -> [u32; LANES],
     ) -> Vec<Candidate<C>> {
         let mut rest = Vec::new();
         for group in candidates.chunks(LANES / 2) {
@@ -341,13 +341,13 @@ impl<C: Cell> Candidate<C> {
 }
 
 /// The directions on both sides of candidates, in pairs of lanes, and what is asked of them.
-fn beside<C: Cell>(candidates: &[Candidate<C>]) -> ([Vec3; LANES], Sides) {
-    let mut directions = [Vec3::Z; LANES];
+fn beside<C: Cell>(candidates: &[Candidate<C>]) -> ([DVec3; LANES], Sides) {
+    let mut directions = [DVec3::Z; LANES];
     let mut sides = Sides::default();
     for (i, candidate) in candidates.iter().enumerate() {
         let Candidate { crossing, cell, .. } = candidate;
         for (k, s) in candidate.places_beside().into_iter().enumerate() {
-            directions[2 * i + k] = cell.direction(s).as_vec3();
+            directions[2 * i + k] = cell.direction(s);
         }
         sides.add(i, crossing.kind == Kind::FacetEdge);
     }

@@ -18,11 +18,11 @@ use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece};
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
-use crate::paths::rays::{from_lanes, lane_of};
+use crate::paths::rays::lane_of;
 use crate::paths::start::Start;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 /// Points for each step of the lattice that the edges are long: about as many as its rows and
 /// columns cross.
@@ -95,16 +95,16 @@ pub fn find(edges: &Edges, film: &FilmTile, out: &mut Found) {
             .map(|(_, point)| point)
             .collect();
         for pair in kept.chunks(LANES / 2) {
-            let mut directions = [Vec3::Z; LANES];
+            let mut directions = [DVec3::Z; LANES];
             let mut sides = Sides::default();
             for (i, point) in pair.iter().enumerate() {
                 for (k, side) in [-1.0, 1.0].into_iter().enumerate() {
                     let at = point.at + point.slope.normalize() * (side * point.beside);
-                    directions[2 * i + k] = dvec3(view.camera.direction(at.x, at.y)).as_vec3();
+                    directions[2 * i + k] = dvec3(view.camera.direction(at.x, at.y));
                 }
                 sides.add(i, point.crossing.kind == Kind::FacetEdge);
             }
-            let rays = view.camera.rays(from_lanes(&directions), sides.active);
+            let rays = view.camera.rays_along(&directions, sides.active);
             let start = Start::of_rays(rays, 0);
             // Both sides share their random numbers.
             let index = std::array::from_fn(|lane| number + (lane / 2) as u32);
@@ -164,7 +164,7 @@ impl FilmPoint {
         let across = slope.try_normalize()?;
         let d = dvec3(camera.direction(at.x, at.y));
         let crossing = Crossing::new(boundary, kind(edge, on_film.open_side), 0.0);
-        let [angle, _] = probe_angle(geometry, &crossing, origin, d);
+        let [angle, _] = probe_angle(geometry, &crossing, (origin, 0.0), d);
         let per_pixel = per_pixel[0] * across.x + per_pixel[1] * across.y;
         let angle_per_pixel = d.cross(per_pixel).length() / d.length_squared();
         let beside = (angle / angle_per_pixel).min(MOST_BESIDE);
@@ -194,7 +194,7 @@ fn visible(film: &FilmTile, points: &[FilmPoint], out: &mut Found) -> u32 {
         None => ahead,
     });
     let active = u32::MAX >> (32 - points.len());
-    let rays = camera.rays(from_lanes(&directions.map(|d| d.as_vec3())), active);
+    let rays = camera.rays_along(&directions, active);
     out.counts.edge += points.len() as u64;
     let seen = view.intersect(&rays, Coherence::Incoherent);
     let is_before = |lane: usize| {

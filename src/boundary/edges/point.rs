@@ -67,7 +67,7 @@ impl EdgePoint {
         let start = point.leave(y - x).as_dvec3();
         let open_side = set.edges.side(geometry, edge, x).map(|side| -side);
         let crossing = Crossing::new(boundary, kind(edge, open_side), 0.0);
-        let [beside, _] = probe_angle(geometry, &crossing, start, y - start);
+        let [beside, _] = probe_angle(geometry, &crossing, (start, 0.0), y - start);
         let found = Self {
             boundary,
             crossing,

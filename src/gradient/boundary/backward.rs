@@ -2,7 +2,6 @@
 //! moves them.
 
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
-use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::silhouette::edge_side_adjoint;
 use crate::adjoint::triangle::triangle_point_adjoint;
@@ -10,6 +9,7 @@ use crate::discontinuity::boundary::{dvec3, vector};
 use crate::gradient::path::backward::{BackwardSweep, Solved};
 use crate::gradient::path::bars::VertexBars;
 use crate::gradient::scene::backward::TileSums;
+use crate::gradient::scene::camera_ray::camera_ray_adjoint;
 use crate::kernels::bsdf::{RoughTransmission, bsdf_sample};
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::triangle::triangle_point;
@@ -273,8 +273,8 @@ impl BackwardSweep<'_> {
             chain: found.chain(sample),
             bar: side_bar(bar.into(), sample),
         };
-        let d = dvec3(camera.direction(u, v));
-        let (o_bar, d_bar) = self.side(&seen, camera.origin.as_dvec3(), d, sums);
+        let (origin, d) = camera.ray(u, v);
+        let (o_bar, d_bar) = self.side(&seen, dvec3(origin), dvec3(d), sums);
         let film_bar = self.camera_ray([u, v], o_bar, d_bar, sums);
         if let Some(drift) = self.drift {
             sums.add_drift(drift, [u, v], film_bar, 0.0);
@@ -294,23 +294,19 @@ impl BackwardSweep<'_> {
             return [0.0; 2];
         }
         let camera = &self.view.camera;
-        let (px, py) = camera.film_to_camera(u, v);
-        let axes = camera.film_axes(camera.axes);
-        let [x, y, z] = axes.map(|a| vector(a.as_dvec3()));
-        let (x, y, z, tan, px_bar, py_bar) =
-            camera_direction_adjoint(x, y, z, camera.tan_half_x_fov, px, py, vector(d_bar));
+        let bars = camera_ray_adjoint(camera, [u, v], vector(o_bar), vector(d_bar));
         if self.wanted.camera {
-            sums.add_camera(camera, o_bar, [x, y, z].map(dvec3), tan);
+            let axes = bars.film_axes.map(dvec3);
+            sums.add_camera(camera, o_bar, axes, bars.tan_half_x_fov);
         }
-        camera.film_to_camera_adjoint([px_bar, py_bar])
+        bars.film
     }
 
     /// What the film follows, from the cotangent of its velocity in pixels.
     pub fn add_followed(&self, followed: &Followed, velocity_bar: [f64; 2], sums: &mut TileSums) {
         let camera = &self.view.camera;
         let [u, v] = followed.at;
-        let d = vector(dvec3(camera.direction(u, v)));
-        let origin = vector(camera.origin.as_dvec3());
+        let (origin, d) = camera.ray(u, v);
         let y = followed.point(self.view.geometry);
         let lines = followed.lines(camera, self.view.geometry);
         for (line, bar) in lines.into_iter().zip(velocity_bar) {

@@ -4,7 +4,6 @@ use crate::discontinuity::boundary::vector;
 use crate::gradient::path::forward::{ForwardSweep, MovingVertex, dual_lane, dual_number};
 use crate::gradient::scene::forward::dual_vector;
 use crate::kernels::bsdf::{Interface, RoughTransmission, bsdf_sample};
-use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::silhouette::edge_side;
 use crate::kernels::triangle::triangle_point;
@@ -98,15 +97,12 @@ impl ForwardSweep<'_> {
 
     /// The camera's ray through a film point with this velocity.
     fn moving_camera_ray(&self, at: [f64; 2], velocity: [f64; 2]) -> (V3<D>, V3<D>) {
-        let camera = &self.camera_f64;
         let [u, v] = [0, 1].map(|i| D {
             value: at[i],
             tangent: velocity[i],
         });
         let (px, py) = self.view.camera.film_to_camera(u, v);
-        let [x, y, z] = camera.axes;
-        let d = camera_direction(x, y, z, camera.tan_half_x_fov, px, py);
-        (camera.origin, d)
+        self.camera_f64.ray([px, py])
     }
 
     /// How fast a point that the film follows moves over it.

@@ -6,12 +6,12 @@
 //! and what reaches a triangle's vertices, a texel or the camera is added to the tile's sums.
 
 use crate::adjoint::bsdf::bsdf_sample_adjoint;
-use crate::adjoint::camera::camera_direction_adjoint;
 use crate::adjoint::frame::direction_from_local_adjoint;
 use crate::adjoint::layered::layered_sample_adjoint;
 use crate::adjoint::relief::relief_shadow_adjoint;
 use crate::gradient::path::bars::{Cotangent, TurningBars, VertexBars};
 use crate::gradient::scene::backward::TileSums;
+use crate::gradient::scene::camera_ray::camera_ray_adjoint;
 use crate::gradient::scene::wanted::Wanted;
 use crate::kernels::bsdf::{Interface, bsdf_sample};
 use crate::kernels::layered::{Layers, layered_sample};
@@ -21,7 +21,7 @@ use crate::paths::environment::map;
 use crate::paths::film::drift::Drift;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::radiance::Scored;
-use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked, splat};
+use crate::paths::rays::{from_lanes, lane_mask, lane_of, masked};
 use crate::paths::relayed::lanes;
 use crate::paths::scene_view::SceneView;
 use crate::paths::store::{TileStore, Vertices};
@@ -132,20 +132,16 @@ impl BackwardSweep<'_> {
         if self.wanted.camera || self.drift.is_some() || store.samples_move() {
             let bits = path[0].hit | path[0].escaped;
             let camera = &self.view.camera;
-            let (px, py) = camera.film_to_camera(u, v);
-            let [x, y, z] = camera.film_axes(camera.axes).map(splat);
-            let tan = Lane::splat(camera.tan_half_x_fov as f32);
-            let (x, y, z, tan, px_bar, py_bar) =
-                camera_direction_adjoint(x, y, z, tan, px, py, chain.direction);
-            let film_bars = camera.film_to_camera_adjoint([px_bar, py_bar]);
+            let bars = camera_ray_adjoint(camera, [u, v], chain.origin, chain.direction);
             if !self.wanted.camera {
-                return film_bars;
+                return bars.film;
             }
-            let origin = sums.over_lanes(chain.origin, bits);
-            let axes = [x, y, z].map(|bar| sums.over_lanes(bar, bits));
+            let origin = sums.over_lanes(bars.origin, bits);
+            let axes = bars.film_axes.map(|bar| sums.over_lanes(bar, bits));
+            let tan = bars.tan_half_x_fov;
             let tan = sums.over_lanes(V3::new(tan, tan, tan), bits).x;
             sums.add_camera(camera, origin, axes, tan);
-            return film_bars;
+            return bars.film;
         }
         [Lane::splat(0.0); 2]
     }

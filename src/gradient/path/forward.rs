@@ -5,7 +5,6 @@ use crate::gradient::scene::forward::{Motion, MovingCamera, dual_vector, tangent
 use crate::kernels::bsdf::{
     Interface, RoughTransmission, bsdf_evaluate, bsdf_sample, consistent_normal,
 };
-use crate::kernels::camera::camera_direction;
 use crate::kernels::frame::direction_from_local;
 use crate::kernels::layered::{Layers, layered_evaluate, layered_sample};
 use crate::kernels::normal::{face_normal, shading_normal};
@@ -108,14 +107,14 @@ impl<'a> ForwardSweep<'a> {
     ) -> V3<Lane> {
         let camera = &self.camera_lanes;
         let (px, py) = self.view.camera.film_to_camera(u, v);
-        let [x, y, z] = camera.axes;
+        let (origin, direction) = camera.ray([px, py]);
         let mut chain = Arriving {
-            origin: camera.origin,
-            direction: camera_direction(x, y, z, camera.tan_half_x_fov, px, py),
+            origin,
+            direction,
             throughput: V3::splat(1.0),
         };
         let path = store.path(packet);
-        if self.view.camera.lens != Lens::Pinhole {
+        if matches!(self.view.camera.lens, Lens::Thin { .. }) {
             // Such a camera stands still.
             chain.origin = dual_vector(path[0].origin, V3::splat(0.0));
             chain.direction = dual_vector(path[0].direction, V3::splat(0.0));

@@ -389,7 +389,10 @@ impl FilmSums {
                 axes: sums.axes.map(|bar| bar.as_vec3()),
                 principal_point_offset: camera
                     .axis_per_offset()
-                    .map(|by| by.dot(sums.axes[2]) as f32)
+                    .map(|by| match camera.parallel_half_width() {
+                        None => by.dot(sums.axes[2]) as f32,
+                        Some(_) => (by * camera.reach()).dot(sums.origin) as f32,
+                    })
                     .into(),
             });
         }

@@ -1,8 +1,10 @@
 //! How everything in the scene moves along one direction: a [`SceneDifferential`] spread over
 //! [`Geometry`].
 
+use crate::kernels::camera::camera_direction;
 use crate::lanes::{Dual, LANES, Lane, Real, V3};
 use crate::paths::environment::map;
+use crate::paths::film::camera::Camera;
 use crate::paths::rays::{from_lanes, lane_of, splat};
 use crate::paths::surface::relief::Turned;
 use crate::paths::surface::texture::Lookup;
@@ -204,25 +206,31 @@ impl Motion {
     }
 
     /// The camera's position and axes, and tan(x_fov/2), with their velocities.
-    pub fn camera<F: Real>(&self, camera: &crate::paths::film::camera::Camera) -> MovingCamera<F> {
+    pub fn camera<F: Real>(&self, camera: &Camera) -> MovingCamera<F> {
         let motion = self.camera.unwrap_or_default();
         let dual = |value: Vec3, tangent: Vec3| dual_vector(splat::<F>(value), splat::<F>(tangent));
         let tan = camera.tan_half_x_fov;
+        let half_width = camera.parallel_half_width();
         // d tan(φ/2)/dφ = (1 + tan²)/2.
         let tan_velocity = (motion.x_fov_deg as f64).to_radians() * 0.5 * (1.0 + tan * tan);
         // A shifted principal point is a view axis that leans.
         let [right, down] = camera.axis_per_offset().map(|by| by.as_vec3());
         let shift = motion.principal_point_offset;
-        let mut axes = motion.axes;
-        axes[2] += right * shift.x + down * shift.y;
+        let leans = right * shift.x + down * shift.y;
+        let (mut axes, mut translation) = (motion.axes, motion.translation);
+        match half_width {
+            None => axes[2] += leans,
+            Some(_) => translation += leans * camera.reach() as f32,
+        }
         let turns: [Vec3; 3] =
             std::array::from_fn(|i| motion.rotation.cross(camera.axes[i]) + axes[i]);
         let [x, y, _] = turns;
         let axes = camera.film_axes(camera.axes);
         let turns = camera.film_axes(turns);
         MovingCamera {
-            origin: dual(camera.origin, motion.translation + camera.on_lens([x, y])),
+            origin: dual(camera.origin, translation + camera.on_lens([x, y])),
             axes: std::array::from_fn(|i| dual(axes[i], turns[i])),
+            parallel_half_width: half_width.map(F::splat),
             tan_half_x_fov: Dual {
                 value: F::splat(tan),
                 tangent: F::splat(tan_velocity),
@@ -237,6 +245,31 @@ pub struct MovingCamera<F> {
     pub origin: V3<Dual<F>>,
     pub axes: [V3<Dual<F>>; 3],
     pub tan_half_x_fov: Dual<F>,
+    /// Given if all its rays are parallel.
+    pub parallel_half_width: Option<F>,
+}
+
+impl<F: Real> MovingCamera<F> {
+    /// Where its ray through a film point begins, and its direction, given the camera's tangents
+    /// there ([`Camera::film_to_camera`]).
+    pub fn ray(&self, [px, py]: [Dual<F>; 2]) -> (V3<Dual<F>>, V3<Dual<F>>) {
+        let [x, y, z] = self.axes;
+        match self.parallel_half_width {
+            None => {
+                let direction = camera_direction(x, y, z, self.tan_half_x_fov, px, py);
+                (self.origin, direction)
+            }
+            Some(half_width) => {
+                let half = Dual {
+                    value: half_width,
+                    tangent: F::splat(0.0),
+                };
+                let zero = V3::splat(0.0);
+                let beside = camera_direction(x, y, zero, half, px, py);
+                (self.origin + beside, z)
+            }
+        }
+    }
 }
 
 /// A vector with its tangent.

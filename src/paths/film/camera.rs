@@ -13,6 +13,7 @@ pub struct Camera {
     pub origin: Vec3,
     /// World-space axes: x to the image's left, y up, z forward. Orthonormal.
     pub axes: [Vec3; 3],
+    /// As its eye sees it ([`Camera::eye`]).
     pub tan_half_x_fov: f64,
     /// Film coordinates (pixels of the crop window) to the camera's tangents: p = offset + scale·u.
     offset: [f64; 2],
@@ -28,7 +29,15 @@ pub struct Camera {
     pub lens_point: [f32; 2],
     /// One over the distance of what is in focus, or zero.
     per_focus: f32,
+    /// How far behind the film the eye is from which a film position is a direction: zero, but for
+    /// a parallel projection.
+    reach: f64,
 }
+
+/// How far behind its film a parallel projection has its eye, in halves of the film's width. Over a
+/// depth of ten such halves rays of a thousand pixels part by 5e-5 pixels then, and from there
+/// double precision tells 1e-8 of them apart (docs/method.md, 2).
+const FAR_EYE: f64 = 1e8;
 
 impl Camera {
     pub fn new(sensor: &Sensor) -> Self {
@@ -37,10 +46,17 @@ impl Camera {
         let shift = sensor.principal_point_offset.as_dvec2();
         let [crop_x, crop_y] = film.crop_offset.map(f64::from);
         let m = sensor.to_world.matrix3;
+        let (reach, tan_half_x_fov) = match sensor.lens {
+            Lens::Parallel { half_sides } => {
+                let half = f64::from(half_sides.x);
+                (FAR_EYE * half, 1.0 / FAR_EYE)
+            }
+            Lens::Pinhole | Lens::Thin { .. } => (0.0, (sensor.x_fov_rad as f64 / 2.0).tan()),
+        };
         Self {
             origin: sensor.to_world.translation.into(),
             axes: [m.x_axis.into(), m.y_axis.into(), m.z_axis.into()],
-            tan_half_x_fov: (sensor.x_fov_rad as f64 / 2.0).tan(),
+            tan_half_x_fov,
             // Mitsuba's convention: p_x = 1 − 2·(u_x/width + shift), p_y the same over the aspect
             // ratio.
             offset: [
@@ -54,6 +70,7 @@ impl Camera {
             lens: sensor.lens,
             lens_point: [0.0; 2],
             per_focus: 0.0,
+            reach,
         }
     }
 
@@ -123,6 +140,39 @@ impl Camera {
         )
     }
 
+    /// Where the rays of all film points come from: of a parallel projection a point so far behind
+    /// the film that they hardly part.
+    pub fn eye(&self) -> DVec3 {
+        self.origin.as_dvec3() - self.axes[2].as_dvec3() * self.reach
+    }
+
+    /// How far from the eye rays begin, in lengths of their directions.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Half the width of the film, if all rays are parallel.
+    pub fn parallel_half_width(&self) -> Option<f64> {
+        (self.reach > 0.0).then_some(self.reach * self.tan_half_x_fov)
+    }
+
+    /// The ray from the eye along a direction, where it begins.
+    pub fn ray_along(&self, direction: DVec3) -> (DVec3, DVec3) {
+        (self.eye() + direction * self.reach, direction)
+    }
+
+    /// Its rays from the eye along these directions, in the lanes of `active`.
+    pub fn rays_along(&self, directions: &[DVec3; LANES], active: u32) -> RayPacket {
+        if self.reach == 0.0 {
+            return self.rays(from_lanes(&directions.map(|d| d.as_vec3())), active);
+        }
+        let origins = directions.map(|d| self.ray_along(d).0.as_vec3());
+        RayPacket {
+            origin: from_lanes(&origins),
+            ..self.rays(splat(self.axes[2]), active)
+        }
+    }
+
     /// Whether a point is before the camera.
     pub fn is_before(&self, point: DVec3) -> bool {
         (point - self.origin.as_dvec3()).dot(self.axes[2].as_dvec3()) > 0.0
@@ -130,9 +180,11 @@ impl Camera {
 
     /// The film point at which a point before the camera is seen.
     pub fn film_point(&self, point: DVec3) -> [f64; 2] {
-        let to = point - self.origin.as_dvec3();
-        let [x, y, z] = self.axes.map(|a| to.dot(a.as_dvec3()));
-        let tangents = [x, y].map(|t| t / (z * self.tan_half_x_fov));
+        let to = point - self.eye();
+        // In single precision the axes are not quite perpendicular, which is felt from afar.
+        let [x, y, z] = self.axes.map(|a| a.as_dvec3());
+        let ahead = to.dot(x.cross(y));
+        let tangents = [y.cross(z), z.cross(x)].map(|t| to.dot(t) / (ahead * self.tan_half_x_fov));
         let shift = self.focus_shift();
         [0, 1].map(|i| (tangents[i] + shift[i] - self.offset[i]) / self.scale)
     }
@@ -142,11 +194,24 @@ impl Camera {
         bars.map(|bar| bar * F::splat(self.scale))
     }
 
-    /// Direction through the film point (`u`, `v`), in pixels of the crop window.
+    /// Direction from the eye through the film point (`u`, `v`), in pixels of the crop window.
     pub fn direction<F: Real>(&self, u: F, v: F) -> V3<F> {
         let (px, py) = self.film_to_camera(u, v);
         let [x, y, z] = self.film_axes(self.axes).map(splat);
         camera_direction(x, y, z, F::splat(self.tan_half_x_fov), px, py)
+    }
+
+    /// Where the ray through the film point (`u`, `v`) begins, and its direction. For one point of
+    /// a lens.
+    pub fn ray<F: Real>(&self, u: F, v: F) -> (V3<F>, V3<F>) {
+        let Some(half_width) = self.parallel_half_width() else {
+            return (splat(self.origin), self.direction(u, v));
+        };
+        let (px, py) = self.film_to_camera(u, v);
+        let [x, y, z] = self.axes.map(splat);
+        let half = F::splat(half_width);
+        let beside = camera_direction(x, y, V3::splat(0.0), half, px, py);
+        (splat::<F>(self.origin) + beside, z)
     }
 
     /// Its rays through the film points (`u`, `v`), in the lanes of `active`. `lens_point` gives

@@ -153,9 +153,10 @@ impl Followed {
     /// The lines that tell of its motion along the film's axes.
     pub fn lines(&self, camera: &Camera, geometry: &Geometry) -> [FilmLine; 2] {
         let per_pixel = camera.direction_per_pixel();
-        let to = self.point(geometry) - camera.origin.as_dvec3();
+        let to = self.point(geometry) - camera.eye();
         [0, 1].map(|axis| {
-            let along = per_pixel[1 - axis];
+            // Of any length; where directions hardly part it must be felt beside the point.
+            let along = per_pixel[1 - axis] * camera.reach().max(1.0);
             FilmLine {
                 along,
                 velocity_per_side: -1.0 / to.cross(along).dot(per_pixel[axis]),

@@ -5,7 +5,6 @@ use crate::lanes::{LANES, V3};
 use crate::paths::dimensions::Single;
 use crate::paths::film::drift::{DriftGrid, Followed};
 use crate::paths::random::Stream;
-use crate::paths::rays::from_lanes;
 use crate::paths::scene_view::SceneView;
 use crate::trace::Coherence;
 use crate::trace::geometry::NO_TRIANGLE;
@@ -35,7 +34,7 @@ pub struct Hit {
     pub lane: usize,
     pub triangle: u32,
     pub mesh: u32,
-    /// In lengths of the ray's direction.
+    /// From the eye, in lengths of the ray's direction.
     pub distance: f64,
     /// Of the triangle's second and third corner.
     pub barycentrics: [f64; 2],
@@ -64,13 +63,10 @@ impl NodeHits {
             let V3 { x, y, z } = camera.direction(u, v);
             DVec3::new(x, y, z)
         });
-        let rays = camera.rays(
-            from_lanes(&directions.map(|d| d.as_vec3())),
-            u32::MAX >> (32 - LANES),
-        );
+        let rays = camera.rays_along(&directions, u32::MAX >> (32 - LANES));
         let seen = view.intersect(&rays, Coherence::Coherent);
         let vector = |p: DVec3| V3::new(p.x, p.y, p.z);
-        let origin = vector(camera.origin.as_dvec3());
+        let origin = vector(camera.eye());
         let hit = |lane: usize| {
             let triangle = seen[lane];
             let corners = geometry.triangles[triangle as usize];

@@ -4,7 +4,7 @@ use super::follow::{FirstRays, Followed, normal_through};
 use super::look::jumps;
 use super::search::{ChainSearch, Found as Border};
 use crate::boundary::cells::film::cell::{LatticeCells, LatticeLine};
-use crate::discontinuity::boundary::velocity_per_side;
+use crate::discontinuity::boundary::{dvec3, velocity_per_side};
 use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, Piece};
 use crate::paths::dimensions::Single;
@@ -35,8 +35,9 @@ impl LineRays<'_> {
 
 impl FirstRays for LineRays<'_> {
     fn ray(&self, s: f64) -> (DVec3, DVec3) {
-        let origin = self.cells.scene.view.camera.origin.as_dvec3();
-        (origin, self.cells.direction(self.line, s))
+        let [u, v] = self.position(s);
+        let (origin, direction) = self.cells.scene.view.camera.ray(u, v);
+        (dvec3(origin), dvec3(direction))
     }
 
     fn chance_between(&self, [from, to]: [f64; 2]) -> f64 {
@@ -151,7 +152,7 @@ fn add(cells: &LatticeCells, found: &OnLine, jump: DVec3, out: &mut Found) {
     let OnLine { border, line } = found;
     let rays = LineRays { cells, line: *line };
     let position = rays.position(border.s);
-    let origin = view.camera.origin.as_dvec3();
+    let origin = view.camera.eye();
     let direction = cells.direction_at(position);
     let jumps = (&border.boundary, border.shadow);
     let c = normal_through(view, &border.chain, jumps, origin, direction);

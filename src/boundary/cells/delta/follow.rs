@@ -254,6 +254,6 @@ pub fn step(geometry: &Geometry, x: DVec3, length: f64) -> f64 {
 
 /// The parameter at which an arc passes a point.
 pub(super) fn parameter_of(arc: &Arc, x: DVec3) -> f64 {
-    let (normal, v) = (arc.a.cross(arc.b), x - arc.origin);
+    let (normal, v) = (arc.normal(), x - arc.origin);
     parameter(normal.dot(arc.a.cross(v)), normal.dot(v.cross(arc.b)))
 }

@@ -102,7 +102,7 @@ impl<'a> LatticeCells<'a> {
             return true;
         }
         let [a, b] = [at, at + 1].map(|at| self.direction(line, at as f64));
-        let origin = self.scene.view.camera.origin.as_dvec3();
+        let origin = self.scene.view.camera.eye();
         self.scene.moving.meets(&Sector::between(origin, a, b))
     }
 
@@ -175,7 +175,7 @@ impl<'a> LatticeCells<'a> {
             view, adjacency, ..
         } = *self.scene;
         let arc = Arc {
-            origin: view.camera.origin.as_dvec3(),
+            origin: view.camera.eye(),
             a,
             b,
         };
@@ -187,8 +187,9 @@ impl<'a> LatticeCells<'a> {
     fn first_hit(&self, at: [f64; 2]) -> u32 {
         let view = self.scene.view;
         let camera = &view.camera;
-        let direction = self.direction_at(at).as_vec3();
-        view.first_hit(camera.origin, direction, camera.near_clip, camera.far_clip)
+        let (origin, direction) = camera.ray_along(self.direction_at(at));
+        let (origin, direction) = (origin.as_vec3(), direction.as_vec3());
+        view.first_hit(origin, direction, camera.near_clip, camera.far_clip)
     }
 }
 
@@ -251,12 +252,12 @@ impl FilmCell<'_> {
     /// between them are edges of their own, however fine the mesh.
     fn nearest_pixels(&self) -> f64 {
         let view = self.cells.scene.view;
-        let origin = view.camera.origin.as_dvec3();
+        let origin = view.camera.eye();
         let seen = self.triangles.iter().filter(|&&t| t != NO_TRIANGLE);
         let angles = seen.map(|&t| {
             let [vertex, _, _] = view.geometry.triangles[t as usize];
             let point = view.geometry.positions[vertex as usize].as_dvec3();
-            nearest_angle(view.geometry, point, origin)
+            nearest_angle(view.geometry, point, origin, view.camera.reach())
         });
         let angle = angles.fold(0.0, f64::max);
         (angle / self.angle_per_pixel(self.direction(0.5))).min(self.most_pixels())
@@ -285,7 +286,7 @@ impl Cell for FilmCell<'_> {
 
     fn arc(&self) -> Arc {
         Arc {
-            origin: self.cells.scene.view.camera.origin.as_dvec3(),
+            origin: self.cells.scene.view.camera.eye(),
             a: self.direction(0.0),
             b: self.direction(1.0),
         }
@@ -311,9 +312,10 @@ impl Cell for FilmCell<'_> {
 
     fn beside(&self, crossing: &Crossing) -> f64 {
         let view = self.cells.scene.view;
-        let origin = view.camera.origin.as_dvec3();
+        let origin = view.camera.eye();
         let direction = self.direction(crossing.s);
-        let [angle, _] = probe_angle(view.geometry, crossing, origin, direction);
+        let reach = view.camera.reach();
+        let [angle, _] = probe_angle(view.geometry, crossing, (origin, reach), direction);
         let angle_per_pixel = self.angle_per_pixel(direction);
         let most = if crossing.is_tight() {
             MOST_PROBE * self.cells.film.tile.step[self.line.axis]

@@ -71,7 +71,7 @@ fn see(scene: &SearchScene, directions: &[DVec3; LANES], hit: &Hit) -> Seen {
     let pixel = camera.direction_per_pixel()[0].length();
     let d = directions[hit.lane];
     let n = (q - p).cross(r - p).normalize();
-    let point = camera.origin.as_dvec3() + d * hit.distance;
+    let point = camera.eye() + d * hit.distance;
     Seen {
         mesh: hit.mesh,
         moves: hit.moves,

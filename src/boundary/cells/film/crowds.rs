@@ -22,7 +22,6 @@ use crate::discontinuity::boundary::dvec3;
 use crate::lanes::LANES;
 use crate::paths::counts::Counts;
 use crate::paths::dimensions::Single;
-use crate::paths::rays::from_lanes;
 use crate::trace::Coherence;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
@@ -130,10 +129,7 @@ impl<'a> Crowds<'a> {
             at[axis] += ray as f64 * tile.step[axis];
             dvec3(camera.direction(at[0], at[1]))
         });
-        let rays = camera.rays(
-            from_lanes(&directions.map(|d| d.as_vec3())),
-            u32::MAX >> (32 - LANES),
-        );
+        let rays = camera.rays_along(&directions, u32::MAX >> (32 - LANES));
         counts.probe += LANES as u64;
         let seen = view.intersect(&rays, Coherence::Coherent);
         // Of each interval: `None` if one surface is seen on both sides.
@@ -163,7 +159,7 @@ impl<'a> Crowds<'a> {
         if seen[0] == seen[1] {
             return None;
         }
-        let origin = view.camera.origin.as_dvec3();
+        let origin = view.camera.eye();
         let arc = Arc { origin, a, b };
         match between(view.geometry, adjacency, &arc, seen, None, 0.0) {
             Ok([None, _]) => None,

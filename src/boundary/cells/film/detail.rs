@@ -41,7 +41,7 @@ pub struct Looks<'a> {
 pub fn meshes(scene: &SearchScene, looks: &Looks, hits: &[Hit]) -> BTreeSet<u32> {
     let geometry = scene.view.geometry;
     let camera = &scene.view.camera;
-    let origin = camera.origin.as_dvec3();
+    let origin = camera.eye();
     let [pixels, most_pixels] = NEAR_PIXELS;
     let far =
         (pixels * looks.per_pixel).min(most_pixels) * camera.direction_per_pixel()[0].length();

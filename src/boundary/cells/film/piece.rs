@@ -184,7 +184,7 @@ impl Course<'_, '_> {
         let view = self.cells.film.view;
         let (edge, first_is_low) = line.edge?;
         let mesh = (view.geometry, self.cells.scene.adjacency);
-        let origin = view.camera.origin.as_dvec3();
+        let origin = view.camera.eye();
         let (edge, starts) = outline::next(mesh, origin, edge, (way < 0.0) == first_is_low)?;
         let vertices = edge.ends(view.geometry);
         let points = vertices.map(|v| view.geometry.positions[v as usize].as_dvec3());

@@ -26,7 +26,6 @@ use crate::paths::counts::Counts;
 use crate::paths::dimensions::{Branch, Single};
 use crate::paths::estimator::FilmTile;
 use crate::paths::random::Stream;
-use crate::paths::rays::from_lanes;
 use crate::paths::start::Start;
 use crate::trace::Coherence;
 use glam::DVec3;
@@ -51,7 +50,7 @@ pub fn find(scene: &SearchScene, film: &FilmTile, out: &mut Found) {
     let view = film.view;
     for _ in 0..ROUNDS {
         candidates = search.see(&candidates, |directions, active| {
-            let rays = view.camera.rays(from_lanes(directions), active);
+            let rays = view.camera.rays_along(directions, active);
             view.intersect(&rays, Coherence::Coherent)
         });
         if candidates.is_empty() {
@@ -150,8 +149,9 @@ fn searched_cells<'a>(
 
 /// The radiance that a packet of looks sees.
 fn look(cells: &LatticeCells, beside: &Look, stream: &Stream, counts: &mut Counts) -> V3<Lane> {
-    let (directions, sides) = (from_lanes(&beside.directions), beside.sides);
-    let rays = cells.film.view.camera.rays(directions, sides.active);
+    let sides = beside.sides;
+    let camera = &cells.film.view.camera;
+    let rays = camera.rays_along(&beside.directions, sides.active);
     let start = Start {
         seen: Some(beside.seen),
         ..Start::of_rays(rays, 0)
@@ -178,7 +178,7 @@ fn add<'a>(
     let FilmTile { view, tile, .. } = *cells.film;
     let axis = cell.axis();
     let at = cell.position(crossing.s);
-    let origin = view.camera.origin.as_dvec3();
+    let origin = view.camera.eye();
     let per_pixel = view.camera.direction_per_pixel();
     let mut boundary = crossing.boundary;
     if crowds.contain(at, counts) {

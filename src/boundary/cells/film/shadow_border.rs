@@ -9,8 +9,7 @@ use crate::discontinuity::boundary::{Boundary, velocity_per_side};
 use crate::lanes::LANES;
 use crate::paths::boundary_sample::{BoundarySample, Coordinate, Found, NO_CHAIN, Piece, Shadow};
 use crate::paths::counts::Counts;
-use crate::paths::rays::from_lanes;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Shadows are taken to be met with this chance at least: it bounds the weight of their ends.
 pub const SMALLEST_CHANCE: f64 = 1e-3;
@@ -71,21 +70,18 @@ pub fn between<'a>(
 
 /// What the radiance jumps by at each of a group of borders.
 fn jumps(cells: &LatticeCells, group: &[Border], counts: &mut Counts) -> Vec<DVec3> {
-    let mut directions = [Vec3::Z; LANES];
+    let mut directions = [DVec3::Z; LANES];
     let [mut receivers, mut lights] = [[0; LANES]; 2];
     for (lane, border) in group.iter().enumerate() {
         let mut at = border.at;
         at[border.axis] += border.lit_side * BESIDE_PIXELS;
-        directions[lane] = cells.direction_at(at).as_vec3();
+        directions[lane] = cells.direction_at(at);
         receivers[lane] = border.shadow.receiver;
         lights[lane] = border.shadow.light;
     }
     let active = u32::MAX >> (32 - group.len());
-    let rays = cells
-        .scene
-        .view
-        .camera
-        .rays(from_lanes(&directions), active);
+    let camera = &cells.scene.view.camera;
+    let rays = camera.rays_along(&directions, active);
     let brought = brought(cells.scene, &rays, &receivers, &lights, counts);
     let jump = |(border, brought): (&Border, DVec3)| brought * border.jump;
     group.iter().zip(brought).map(jump).collect()
@@ -102,7 +98,7 @@ fn sample(cells: &LatticeCells, border: &Border, jump: DVec3) -> Option<Boundary
         ..
     } = border;
     let camera = &cells.scene.view.camera;
-    let (origin, d) = (camera.origin.as_dvec3(), cells.direction_at(at));
+    let (origin, d) = (camera.eye(), cells.direction_at(at));
     let c = if is_own {
         boundary.normal(cells.scene.view.geometry, origin)
     } else {

@@ -85,7 +85,7 @@ fn hidden(cells: &LatticeCells, light: usize, counts: &mut Counts) -> Vec<bool> 
     for at in mixed {
         let position = [0, 1].map(|axis| tile.position(axis, [at % columns, at / columns][axis]));
         let receiver = Receiver::new(cells.scene, light, image.triangle[at]);
-        let origin = view.camera.origin.as_dvec3();
+        let origin = view.camera.eye();
         hidden[at] = receiver.is_hidden(origin, cells.direction_at(position), counts);
     }
     hidden

@@ -71,7 +71,7 @@ impl RayLine for OnFilm<'_> {
 
     fn arc(&self, [from, to]: [f64; 2]) -> Arc {
         Arc {
-            origin: self.cells.scene.view.camera.origin.as_dvec3(),
+            origin: self.cells.scene.view.camera.eye(),
             a: self.cells.direction(self.line, from),
             b: self.cells.direction(self.line, to),
         }

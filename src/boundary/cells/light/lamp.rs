@@ -215,7 +215,7 @@ impl<'a> LampLine<'a> {
     fn nearest(&self, scene: &SearchScene, end: &OccluderEnd) -> f64 {
         let geometry = scene.view.geometry;
         let [v, w] = end.edge.map(|v| geometry.positions[v as usize].as_dvec3());
-        let edge_point = |along: f64| nearest_angle(geometry, v.lerp(w, along), self.x);
+        let edge_point = |along: f64| nearest_angle(geometry, v.lerp(w, along), self.x, 0.0);
         end.along.map_or(0.0, edge_point)
     }
 

@@ -83,7 +83,7 @@ impl Cell for LobeCell<'_> {
         let arc = &self.arc;
         let direction = arc.direction(crossing.s);
         let geometry = self.scene.view.geometry;
-        let [angle, most] = probe_angle(geometry, crossing, arc.origin, direction);
+        let [angle, most] = probe_angle(geometry, crossing, (arc.origin, 0.0), direction);
         (angle / arc.a.angle_between(arc.b)).min(most)
     }
 

@@ -21,7 +21,7 @@ use crate::paths::random::Stream;
 use crate::paths::rays::{RayPacket, from_lanes, lane_of};
 use crate::paths::start::Start;
 use crate::trace::Coherence;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Silhouettes behind one another that are looked for in one cell.
 const ROUNDS: u32 = 8;
@@ -131,7 +131,7 @@ pub fn on_own_plane(
         return;
     }
     let point = SurfacePoint::of_lane(here, way.lane);
-    let [a, b] = [end, start].map(|psi| before.direction(psi).as_vec3());
+    let [a, b] = [end, start].map(|psi| before.direction(psi));
     let directions = std::array::from_fn(|l| if l == 0 { a } else { b });
     let mut sides = Sides::default();
     sides.add(0, false);
@@ -158,14 +158,13 @@ pub fn on_own_plane(
 fn leaving(
     scene: &SearchScene,
     point: &SurfacePoint,
-    directions: &[Vec3; LANES],
+    directions: &[DVec3; LANES],
     active: u32,
 ) -> RayPacket {
     let normal = from_lanes(&[point.geometric; LANES]);
     let x = from_lanes(&[point.x; LANES]);
-    scene
-        .view
-        .leaving(x, normal, from_lanes(directions), active)
+    let directions = from_lanes(&directions.map(|d| d.as_vec3()));
+    scene.view.leaving(x, normal, directions, active)
 }
 
 /// Radiance from the directions of a look.
