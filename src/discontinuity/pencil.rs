@@ -64,6 +64,17 @@ impl Pencil {
         }
     }
 
+    /// Whether they start on two sides of the plane of one of these triangles.
+    pub fn starts_pass(&self, geometry: &Geometry, seen: [u32; 2]) -> bool {
+        seen.into_iter().filter(|&t| t != NO_TRIANGLE).any(|t| {
+            let corners = geometry.triangles[t as usize];
+            let [p, q, r] = corners.map(|v| geometry.positions[v as usize].as_dvec3());
+            let normal = (q - p).cross(r - p);
+            let [from, to] = self.starts.map(|o| normal.dot(o - p));
+            from * to <= 0.0
+        })
+    }
+
     fn ray(&self, s: f64) -> (DVec3, DVec3) {
         let [o, d] = [self.starts, self.directions].map(|[a, b]| a.lerp(b, s));
         (o, d)

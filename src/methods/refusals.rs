@@ -55,7 +55,7 @@ pub fn check(
         if (is_null || is_mask) && misses(Discontinuity::BehindNull) {
             return refuse(format!(
                 "{key}: behind a null surface or a mask edges are not found, so gradients by what moves would be wrong; \
-                 take the surface out, or make the mask opaque"
+                 use --method reparam, or take the surface out, or make the mask opaque"
             ));
         }
         if is_layered(&material.bsdf) && misses(Discontinuity::InLayers) {
@@ -68,7 +68,7 @@ pub fn check(
         if is_smooth && misses(Discontinuity::Mirrored) {
             return refuse(format!(
                 "{key}: edges seen in perfectly smooth reflections and refractions are not found, so gradients by what \
-                 moves would be wrong; use its rough variant with an alpha such as 0.01"
+                 moves would be wrong; use --method reparam, or its rough variant with an alpha such as 0.01"
             ));
         }
     }
@@ -136,18 +136,22 @@ const UNEVEN: f32 = 1e-5;
 
 /// Why edges that a camera sees are not found.
 fn behind_a_lens(sensor: &Sensor, misses: impl Fn(Discontinuity) -> bool) -> Option<String> {
-    let kind = match sensor.lens {
+    let (kind, instead) = match sensor.lens {
         Lens::Pinhole => return None,
-        Lens::Thin { .. } if !misses(Discontinuity::ThroughLens) => return None,
-        Lens::Thin { .. } => "through a lens with an aperture",
-        Lens::Parallel { half_sides } if (half_sides.x / half_sides.y - 1.0).abs() > UNEVEN => {
-            "by a parallel projection that is scaled unevenly"
+        Lens::Parallel { half_sides } if (half_sides.x / half_sides.y - 1.0).abs() > UNEVEN => (
+            "by a parallel projection that is scaled unevenly",
+            "scale it alike in x and y, or take a perspective camera",
+        ),
+        Lens::Thin { .. } if misses(Discontinuity::ThroughLens) => {
+            ("through a lens with an aperture", "use --method reparam")
         }
-        Lens::Parallel { .. } if !misses(Discontinuity::InParallel) => return None,
-        Lens::Parallel { .. } => "by a parallel projection",
+        Lens::Parallel { .. } if misses(Discontinuity::InParallel) => {
+            ("by a parallel projection", "use --method reparam")
+        }
+        Lens::Thin { .. } | Lens::Parallel { .. } => return None,
     };
     Some(format!(
-        "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; take a perspective camera",
+        "{}: edges seen {kind} are not found, so gradients by what moves would be wrong; {instead}",
         sensor.id
     ))
 }
@@ -161,7 +165,7 @@ fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<S
     };
     let why = match light.beam?.profile {
         BeamProfile::Projector { .. } if misses_border => {
-            "what a projector shows ends at the picture's border"
+            "what a projector shows ends at the picture's border (use --method reparam)"
         }
         BeamProfile::Projector { .. } if jumps(light.power) => {
             "its picture jumps; take a bitmap with a bilinear filter"
@@ -171,7 +175,7 @@ fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<S
             cutoff_rad,
             ..
         } if beam_width_rad >= cutoff_rad && misses_border => {
-            "the beam ends at its cutoff; give it a \"beam_width\" smaller than \"cutoff_angle\""
+            "the beam ends at its cutoff; use --method reparam, or give it a \"beam_width\" smaller than \"cutoff_angle\""
         }
         BeamProfile::Spot {
             texture: Some(texture),
@@ -188,7 +192,7 @@ fn beam_edge(scene: &Scene, light: &DeltaLight, misses_border: bool) -> Option<S
 fn sharp_shadows(light: &str) -> String {
     format!(
         "{light}: the shadows of delta lights have sharp edges that are not found, so gradients by what moves \
-         would be wrong; use a small area light"
+         would be wrong; use --method reparam, or a small area light"
     )
 }
 

@@ -9,7 +9,7 @@ const FEWEST: u32 = 32;
 const LOOSENED: f64 = if cfg!(feature = "all-samples") {
     1.0
 } else {
-    1.5
+    2.0
 };
 /// So many pixels are compared as one by χ².
 const POOLED: usize = if cfg!(feature = "all-samples") { 1 } else { 4 };

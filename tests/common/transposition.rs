@@ -12,6 +12,13 @@ pub fn rounding(depth: u32) -> f64 {
     if depth <= 2 { 3e-5 } else { 3e-4 }
 }
 
+/// Samples of a pixel.
+const SPP: u32 = if cfg!(feature = "all-samples") {
+    32
+} else {
+    16
+};
+
 /// Every parameter that can be differentiated.
 pub fn all_parameters(scene: &Scene) -> Vec<Parameter> {
     parameters::list(scene)
@@ -90,7 +97,7 @@ pub fn both_sides(
     weight: &Image,
     method: Method,
 ) -> Sides {
-    let settings = settings(prepared.scene, method, 32, 4);
+    let settings = settings(prepared.scene, method, SPP, 4);
     both_sides_by(prepared, direction, weight, settings)
 }
 

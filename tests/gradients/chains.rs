@@ -8,10 +8,10 @@ use common::scenes::*;
 use common::shapes::Shape;
 use common::statistics::Agreement;
 use common::transposition::transposed;
-use common::{direction, gradient, settings};
+use common::{Quiet, direction, gradient, settings};
 use glam::{Vec3, vec3};
 use std::f32::consts::{PI, TAU};
-use warpath::methods::Method;
+use warpath::methods::{Method, forward};
 use warpath::scene::Scene;
 
 const MOVED: [f32; 3] = [1.0, 0.0, 0.2];
@@ -159,6 +159,47 @@ fn bands_of_a_coarse_ball() {
     // Bands are thinner than a pixel.
     let parts = [("ball.translation", [1.0, 0.3, 0.5].as_slice())];
     check_to(0.04, &scene, &parts, 128, Some(0.003), Fails);
+}
+
+/// How many cells a gradient image had and how many of them found nothing, as a plate moves.
+fn found_and_lost(scene: &Scene, plate: &str) -> [u64; 2] {
+    let along = direction(scene, &[(plate, &MOVED)]);
+    let settings = settings(scene, Method::Reparam, 64, 3);
+    let image = forward(scene, &settings, &along, &Quiet).expect("a gradient image");
+    let all = image.statistics.borders.all();
+    [all.found, all.lost]
+}
+
+/// Two mirrors that pass through each other over a floor, and a plate before them. From the floor
+/// one of them is seen in gaps that no point of a line need lie in.
+#[test]
+fn mirrors_that_cross() {
+    let left = parallelogram(vec3(-0.4, -0.3, 0.0), vec3(0.8, 0.6, 0.0), Vec3::Z * 0.8);
+    let right = parallelogram(vec3(-0.3, 0.3, 0.0), vec3(0.8, -0.7, 0.0), Vec3::Z * 0.8);
+    let plate = parallelogram(vec3(0.0, -0.7, 0.1), vec3(0.3, 0.1, 0.0), Vec3::Z * 0.3);
+    let scene = small_floor()
+        .solid("left", left, [0.5; 3])
+        .solid("right", right, [0.5; 3])
+        .solid("plate", plate, [0.2, 0.6, 0.4])
+        .constant_environment(SKY);
+    let scene = scene.depth(4).mirror("left").mirror("right");
+    let [found, lost] = found_and_lost(&scene, "plate.translation");
+    assert_eq!(lost, 0, "of {found}");
+    checked(&scene, 256, "plate.translation", &MOVED, 0.02);
+}
+
+/// A ball of 1280 flat mirrors is cut at 16 edges of facets between two points of a line; those that
+/// are left show different places, and lose nothing.
+#[test]
+fn many_flat_mirrors() {
+    let facets = ball(3, vec3(0.0, 0.0, 0.35), 0.3);
+    let plate = parallelogram(vec3(0.4, -0.5, 0.02), vec3(0.3, 0.1, 0.0), Vec3::Z * 0.3);
+    let scene = small_floor()
+        .solid("facets", facets, [0.5; 3])
+        .solid("plate", plate, [0.2, 0.6, 0.4])
+        .constant_environment(SKY);
+    let [found, lost] = found_and_lost(&scene.depth(4).mirror("facets"), "plate.translation");
+    assert_eq!(lost, 0, "of {found}");
 }
 
 /// Facets smaller than the distance between samples: each is found with its neighbours.

@@ -123,6 +123,15 @@ fn what_clear_layers_are_made_of() {
     }
     let colour = "block.bsdf.base_color.value";
     made_of(&scene, 64, colour, &[1.0, 0.5, 0.2], LONG_STEP);
+}
+
+#[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
+fn what_clear_layers_show_is_bent() {
+    let scene = close_up()
+        .constant_environment(SKY)
+        .depth(5)
+        .clear_layers("block", 0.3);
     let bent = [("block.bsdf.specular", [1.0].as_slice())];
     check_to(COARSE, &scene, &bent, 256, LONG_STEP, Fails);
 }

@@ -121,6 +121,7 @@ fn outlines_go_on_over_blocks() {
 
 /// A pilot finds where the noise lies, and for about as much work less is left of it.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn it_is_less_noisy() {
     let scene = load("scenes/demo.xml", &[]).expect("a scene");
     let along = direction(&scene, &[("occluder.translation", &[1.0, 0.2, 0.4])]);

@@ -1,7 +1,7 @@
 //! Where a border behind smooth surfaces really is.
 
 use super::follow::{FirstRays, Followed};
-use super::search::{Border, ChainSearch, Way};
+use super::search::{Border, ChainSearch, Cut, Cuts, Way};
 use crate::boundary::occlusion::{MOST_PROBE, NEAREST, PROBE, SurfacePoint, clear_of};
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
@@ -15,6 +15,8 @@ const STEPS: u32 = 24;
 const APART: f64 = 1e-8;
 /// How near to where rays change sides of a plane to look, in parts of an interval.
 const OWN_PLANE: f64 = 1e-4;
+/// And how near to where something else hides a chain.
+const BESIDE_HIDDEN: f64 = 1e-5;
 
 impl<R: FirstRays> ChainSearch<'_, R> {
     /// Where a crossing really is, and what is seen beside it.
@@ -38,13 +40,46 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         })
     }
 
+    /// The two parts of an interval on either side of what hides the chain between its ends. A place
+    /// at which rays are bent otherwise than at each end is given. None of the line's points need
+    /// see what hides it, and where that ends is found where some do.
+    pub(super) fn around(
+        &mut self,
+        ends: [Followed; 2],
+        hidden: [f64; 2],
+        way: &Way,
+        out: &mut Cuts,
+    ) -> [[Followed; 2]; 2] {
+        let view = self.scene.view;
+        let length = ends[1].s - ends[0].s;
+        let sides = [0, 1].map(|i| {
+            let (mut last, mut beyond) = (ends[i].clone(), hidden[i]);
+            while (beyond - last.s).abs() > BESIDE_HIDDEN * length {
+                let middle = 0.5 * (last.s + beyond);
+                if middle == last.s || middle == beyond {
+                    break;
+                }
+                match Followed::new(view, self.rays, middle, &way.bends, self.counts) {
+                    Some(ray) if ray.is_bent_as(&last, view) => last = ray,
+                    _ => beyond = middle,
+                }
+            }
+            last
+        });
+        let [before, after] = sides.clone();
+        out.cuts.push(Cut::unseen(sides));
+        let [a, b] = ends;
+        [[a, before], [after, b]]
+    }
+
     /// Where rays change sides of the plane of the triangle that bends them last: within it, or
-    /// where the next one begins.
+    /// where the next one begins. Otherwise a place between the two at which something hides the
+    /// chain, if any.
     pub(super) fn own_plane(
         &mut self,
         ends: [&Followed; 2],
         way: &Way,
-    ) -> Option<(Crossing, Border)> {
+    ) -> Result<(Crossing, Border), Option<f64>> {
         let view = self.scene.view;
         let [mut a, mut b] = ends.map(Followed::clone);
         let length = b.s - a.s;
@@ -54,12 +89,13 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             if middle <= a.s || middle >= b.s {
                 break;
             }
-            let m = Followed::new(view, self.rays, middle, &way.bends, self.counts)?;
+            let m = Followed::new(view, self.rays, middle, &way.bends, self.counts);
+            let m = m.ok_or(Some(middle))?;
             let end = if m.leaks == a.leaks { &mut a } else { &mut b };
             *end = m;
         }
         let [t, u] = [&a, &b].map(|end| end.chain.last().map(|v| v.triangle));
-        let (t, u) = (t?, u?);
+        let (t, u) = (t.ok_or(None)?, u.ok_or(None)?);
         let corners = view.geometry.triangles[t as usize];
         let mut at = a.clone();
         let edge = if t == u {
@@ -70,12 +106,13 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             let corner = (0..3).find(|&corner| {
                 let across = self.scene.adjacency.across(t, corner);
                 across.is_some_and(|across| across.triangle == u)
-            })?;
+            });
+            let corner = corner.ok_or(None)?;
             [corners[corner], corners[(corner + 1) % 3]]
         };
         let boundary = Boundary::Edge(edge);
         let crossing = Crossing::new(boundary, Kind::FacetEdge, 0.0);
-        Some((crossing, Border { at, sides: [a, b] }))
+        Ok((crossing, Border { at, sides: [a, b] }))
     }
 
     /// The root of F along the chain near where rays that are not bent otherwise have it, and its

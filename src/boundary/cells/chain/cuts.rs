@@ -44,13 +44,27 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             if a.s >= b.s {
                 continue;
             }
+            if !a.is_bent_as(&b, view) {
+                let places = [b.s, a.s];
+                let around = self.around([a, b], places, way, out);
+                parts.extend(around.map(|p| (p, rounds, halvings)));
+                continue;
+            }
             if a.leaks != b.leaks {
                 if rounds == 0 {
                     continue;
                 }
-                let Some((crossing, border)) = self.own_plane([&a, &b], way) else {
-                    self.counts.unresolved += 1;
-                    continue;
+                let (crossing, border) = match self.own_plane([&a, &b], way) {
+                    Ok(found) => found,
+                    Err(Some(hidden)) if halvings > 0 => {
+                        let around = self.around([a, b], [hidden; 2], way, out);
+                        parts.extend(around.map(|p| (p, rounds, halvings - 1)));
+                        continue;
+                    }
+                    Err(_) => {
+                        self.counts.unresolved += 1;
+                        continue;
+                    }
                 };
                 let [before, after] = border.sides.clone();
                 parts.push(([a, before.clone()], rounds - 1, HALVINGS));
@@ -73,11 +87,7 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             let between = between(view.geometry, adjacency, &rays, seen);
             if let Err(why @ Unresolved::Coincident) = between {
                 self.counts.miss(why);
-                out.cuts.push(Cut {
-                    border: None,
-                    sides: [a, b],
-                    near: Near::None,
-                });
+                out.cuts.push(Cut::unseen([a, b]));
                 continue;
             }
             let border = between.ok().and_then(|Between { silhouette, ridges }| {
@@ -89,17 +99,24 @@ impl<R: FirstRays> ChainSearch<'_, R> {
             });
             let Some((border, ridges)) = border else {
                 if halvings == 0 {
-                    self.counts.unresolved += 1;
+                    // What is seen first is looked for there, too. And where the starts pass
+                    // through what is seen, that meets what bends the rays: a border of what they
+                    // see before.
+                    let is_known = way.bends.is_empty() || rays.starts_pass(view.geometry, seen);
+                    self.counts.unresolved += u64::from(!is_known);
+                    out.cuts.push(Cut::unseen([a, b]));
                     continue;
                 }
                 let middle = 0.5 * (a.s + b.s);
-                let middle = Followed::new(view, self.rays, middle, &way.bends, self.counts);
-                match middle {
-                    Some(m) => {
+                match Followed::new(view, self.rays, middle, &way.bends, self.counts) {
+                    Some(m) if ends.iter().any(|end| end.is_bent_as(&m, view)) => {
                         parts.push(([m.clone(), b], rounds, halvings - 1));
                         parts.push(([a, m], rounds, halvings - 1));
                     }
-                    None => self.counts.unresolved += 1,
+                    _ => {
+                        let around = self.around([a, b], [middle; 2], way, out);
+                        parts.extend(around.map(|p| (p, rounds, halvings - 1)));
+                    }
                 }
                 continue;
             };

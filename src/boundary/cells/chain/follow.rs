@@ -104,6 +104,20 @@ impl Followed {
         Some(self)
     }
 
+    /// Whether the same surfaces have bent it as another ray of the line: flat facets, or meshes
+    /// whose facets are shaded as one.
+    pub fn is_bent_as(&self, other: &Self, view: &SceneView) -> bool {
+        let geometry = view.geometry;
+        let is_one = |(v, w): (&ChainVertex, &ChainVertex)| {
+            let [mesh, other] =
+                [v, w].map(|v| geometry.mesh_of_triangle[v.triangle as usize] as usize);
+            v.triangle == w.triangle
+                || (mesh == other
+                    && (geometry.smooth[mesh] || geometry.coincide([v.triangle, w.triangle])))
+        };
+        self.chain.iter().zip(&other.chain).all(is_one)
+    }
+
     /// F of a boundary along its ray, or along that from where it ends toward a delta light.
     pub fn side(&self, scene: &SearchScene, boundary: &Boundary, shadow: Option<Shadow>) -> f64 {
         let position = |v: u32| vector(scene.view.geometry.positions[v as usize].as_dvec3());

@@ -111,6 +111,17 @@ pub(super) struct Cut {
     pub border: Option<Found>,
 }
 
+impl Cut {
+    /// Of which nothing is known but what is seen beside it.
+    pub fn unseen(sides: [Followed; 2]) -> Self {
+        Self {
+            sides,
+            near: Near::None,
+            border: None,
+        }
+    }
+}
+
 /// What lies between the rays of a part of a line.
 #[derive(Default)]
 pub(super) struct Cuts {
