@@ -188,8 +188,8 @@ fn mirrors_that_cross() {
     checked(&scene, 256, "plate.translation", &MOVED, 0.02);
 }
 
-/// A ball of 1280 flat mirrors is cut at 16 edges of facets between two points of a line; those that
-/// are left show different places, and lose nothing.
+/// A ball of 1280 flat mirrors is cut at 16 edges of facets between two points of a line. Those
+/// that are left show different places, and lose nothing.
 #[test]
 fn many_flat_mirrors() {
     let facets = ball(3, vec3(0.0, 0.0, 0.35), 0.3);

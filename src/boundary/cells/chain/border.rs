@@ -40,9 +40,9 @@ impl<R: FirstRays> ChainSearch<'_, R> {
         })
     }
 
-    /// The two parts of an interval on either side of what hides the chain between its ends. A place
-    /// at which rays are bent otherwise than at each end is given. None of the line's points need
-    /// see what hides it, and where that ends is found where some do.
+    /// The two parts of an interval on either side of what hides the chain between its ends.
+    /// For each end a place is given at which rays are bent otherwise. None of the line's points
+    /// need see what hides the chain there, and where that ends is found where some do.
     pub(super) fn around(
         &mut self,
         ends: [Followed; 2],
