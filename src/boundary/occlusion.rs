@@ -204,8 +204,8 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     };
     // A shading normal's horizon may reach below that of the triangle, whose own plane is then what
     // hides.
-    let [low, high] = [0.0, 1.0].map(|at| point.geometric.as_dvec3().dot(direction(at)));
-    let crossing = low / (low - high);
+    let above = |at: f64| point.geometric.as_dvec3().dot(direction(at));
+    let ([low, high], crossing) = horizon(above);
     let own_plane = || OccluderEnd {
         edge: point.plane_edge(view),
         along: None,
@@ -259,6 +259,17 @@ pub fn follow_occluders<D: Fn(f64) -> DVec3>(
     lost(at, counts)
 }
 
+/// How far above a plane the directions at both ends of an interval lead, and where they pass it.
+/// Rays that leave on its other side start elsewhere, so that directions toward points jump there.
+fn horizon(above: impl Fn(f64) -> f64) -> ([f64; 2], f64) {
+    let [low, high] = [0.0, 1.0].map(&above);
+    let mut crossing = low / (low - high);
+    if low < 0.0 && high >= 0.0 && above(crossing + PROBE) < 0.0 {
+        crossing = end_beyond(crossing, |at| above(at) < 0.0);
+    }
+    ([low, high], crossing)
+}
+
 /// How far past a silhouette the next occluder is looked for, as a part of the interval. Where the
 /// edge is so near that single precision takes it for elsewhere, as under a sheet that lies on a
 /// table, that is farther.
@@ -307,4 +318,23 @@ fn walk_over(
 /// Whether a triangle that is seen hides the light.
 pub fn is_occluder(triangle: u32, lamp: Option<&Lamp>) -> bool {
     triangle != NO_TRIANGLE && lamp.is_none_or(|lamp| lamp.patch(triangle).is_none())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rays start `clearance` off the plane on the side that they leave on, so that directions
+    /// toward points lead less far off it, or along it ([`SurfacePoint::toward`]).
+    #[test]
+    fn a_horizon_at_which_directions_jump() {
+        let clearance = 3e-5;
+        let height = |at: f64| 0.0117 * at - 0.00188;
+        let above = |at: f64| height(at).signum() * (height(at).abs() - clearance).max(1e-9);
+        let ([low, high], crossing) = horizon(above);
+        let straight = low / (low - high);
+        assert!(above(straight + PROBE) < 0.0);
+        assert!(above(crossing + PROBE) >= 0.0);
+        assert!(height(crossing).abs() < 1e-6);
+    }
 }
