@@ -1,6 +1,7 @@
 //! Estimators of what jumps: the boundary terms of the gradient.
 
 pub mod cells;
+pub mod clearance;
 pub mod edges;
 pub mod inclusion;
 pub mod inclusion_by_walks;

@@ -1,13 +1,16 @@
 //! The scene as searches for boundaries see it.
 
+use crate::boundary::clearance::{Clearance, Lit, Viewer};
 use crate::boundary::surroundings::Surroundings;
 use crate::discontinuity::adjacency::Adjacency;
 use crate::discontinuity::boundary::Boundary;
 use crate::discontinuity::crossing::{Crossing, Kind};
 use crate::discontinuity::outline::Corners;
 use crate::discontinuity::pieces::Pieces;
+use crate::paths::at::At;
 use crate::paths::lobe_drift::LobeDrift;
 use crate::paths::moving::Moving;
+use crate::paths::rays::lane_of;
 use crate::paths::scene_view::SceneView;
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -34,6 +37,7 @@ pub struct Things {
     pieces: OnceLock<Pieces>,
     corners: OnceLock<Corners>,
     surroundings: OnceLock<Surroundings>,
+    clearance: OnceLock<Clearance>,
 }
 
 impl SearchScene<'_> {
@@ -55,6 +59,19 @@ impl SearchScene<'_> {
         self.things.surroundings.get_or_init(find)
     }
 
+    /// Whether nothing can hide any of a lamp from a lane's vertex.
+    pub fn sees_all_of(&self, at: &At, lane: usize, lit: &Lit) -> bool {
+        let geometry = self.view.geometry;
+        let viewer = Viewer {
+            x: lane_of(at.surface.x, lane).as_dvec3(),
+            normal: lane_of(at.surface.geometric, lane).as_dvec3(),
+            mesh: geometry.mesh_of_triangle[at.vertices.triangle[lane] as usize],
+        };
+        let find = || Clearance::new(geometry, self.adjacency);
+        let clearance = self.things.clearance.get_or_init(find);
+        clearance.is_clear(geometry, &viewer, lit)
+    }
+
     /// Whether a crossing is a facet edge of a surface that does nothing but bend rays. Only those
     /// jump there that shading normals send below the plane of a triangle: chains look for them.
     pub fn is_bare_facet(&self, crossing: &Crossing) -> bool {
@@ -67,7 +84,7 @@ impl SearchScene<'_> {
             scene,
             ..
         } = *self.view;
-        let mesh = geometry.first_vertex.partition_point(|&first| first <= v) - 1;
+        let mesh = geometry.mesh_of_vertex(v) as usize;
         let kinds = materials.of_mesh(scene, mesh).kinds;
         kinds.smooth & (kinds.conductor | kinds.dielectric) != 0
     }

@@ -121,8 +121,7 @@ impl Moving {
 
     /// Whether a vertex moves as seen from what rests.
     pub(crate) fn vertex(&self, geometry: &Geometry, vertex: u32) -> bool {
-        let of = |v: u32| geometry.first_vertex.partition_point(|&first| first <= v) - 1;
-        self.moves_mesh(of(vertex))
+        self.moves_mesh(geometry.mesh_of_vertex(vertex) as usize)
     }
 
     /// Whether a mesh does.

@@ -86,6 +86,11 @@ impl Geometry {
         g
     }
 
+    /// The mesh that a vertex is of.
+    pub fn mesh_of_vertex(&self, vertex: u32) -> u32 {
+        self.first_vertex.partition_point(|&first| first <= vertex) as u32 - 1
+    }
+
     /// What rounding grows with at a point: a length, of which single precision is 6e-8.
     pub fn room(&self, point: DVec3) -> f64 {
         point.abs().max_element() + f64::from(self.unit)

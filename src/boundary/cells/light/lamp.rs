@@ -9,9 +9,10 @@
 //! A border's velocity is that of its point, relative to the lamp's point behind it: a₁t₁ + a₂t₂
 //! with t the directions of both families there. Lines of a family bring its part of the sum.
 
-use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points};
+use super::line::{PAIRS, POINTS, chance_of_point, lamp_of, points, unclear};
 use crate::boundary::cells::lobe::families::Family;
 use crate::boundary::cells::lobe::line::above_horizon;
+use crate::boundary::clearance::Lit;
 use crate::boundary::light_samples;
 use crate::boundary::occlusion::{
     MOST_PROBE, OccluderEnd, SurfacePoint, is_occluder, nearest_angle,
@@ -41,6 +42,10 @@ const CLEAR: f64 = 10.0;
 
 /// Finds what hides their lamps from these lanes.
 pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mut Found) {
+    let of_lane = |lane: usize| {
+        lamp_of(at, draw, lane).map(|lamp| (around(scene, at, lane, lamp), lamp.vertex))
+    };
+    let lanes = unclear(scene, at, lanes, of_lane);
     if lanes == 0 {
         return;
     }
@@ -72,6 +77,21 @@ pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mu
                 out.samples.extend(sample);
             }
         }
+    }
+}
+
+/// A lamp that is looked at as far as the plane behind which nothing of it is seen.
+fn around(scene: &SearchScene, at: &At, lane: usize, lamp: &Lamp) -> Lit {
+    let geometry = scene.view.geometry;
+    let x = lane_of(at.surface.x, lane).as_dvec3();
+    let sine = lamp.radius / x.distance(lamp.centre);
+    Lit {
+        middle: lamp.centre,
+        // Of the cone, beside the centre.
+        half: DVec3::splat(lamp.radius / (1.0 - sine * sine).sqrt()),
+        reach: 1.0 + sine,
+        mesh: geometry.mesh_of_vertex(lamp.vertex),
+        is_one: true,
     }
 }
 
@@ -155,7 +175,8 @@ impl<'a> LampLine<'a> {
         };
         let moves = at.vertices.moves >> lane & 1 == 1
             || scene.moving.vertex(scene.view.geometry, lamp.vertex)
-            || scene.moving.meets(&sector);
+            || (scene.moving.meets(&sector)
+                && !scene.sees_all_of(at, lane, &around(scene, at, lane, lamp)));
         (moves && ends[0] < ends[1]).then(|| Self {
             at,
             lane,

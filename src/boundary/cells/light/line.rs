@@ -1,6 +1,9 @@
 //! What all lines over lights share.
 
+use crate::boundary::clearance::Lit;
+use crate::boundary::search_scene::SearchScene;
 use crate::boundary::shadows::chance_of_any;
+use crate::lanes::LANES;
 use crate::paths::at::At;
 use crate::paths::dimensions::Pair;
 use crate::paths::estimator::LightDraw;
@@ -25,6 +28,28 @@ pub fn lamp_of<'a>(at: &At<'a>, draw: &LightDraw, lane: usize) -> Option<&'a Lam
     let lamp = lights.lamps[light as usize].as_ref()?;
     let x = lane_of(at.surface.x, lane).as_dvec3();
     (x.distance(lamp.centre) > OUTSIDE * lamp.radius).then_some(lamp)
+}
+
+/// Those of some lanes from whose lamps something may hide a part, if that may move: `lamp` tells
+/// what is looked at, and a vertex of it.
+pub fn unclear(
+    scene: &SearchScene,
+    at: &At,
+    lanes: u32,
+    lamp: impl Fn(usize) -> Option<(Lit, u32)>,
+) -> u32 {
+    let is_clear = |&lane: &usize| {
+        lanes >> lane & 1 == 1
+            && lamp(lane).is_some_and(|(lit, vertex)| {
+                // Else lines are asked first whether they meet what does.
+                let moves = at.vertices.moves >> lane & 1 == 1
+                    || scene.moving.vertex(scene.view.geometry, vertex);
+                moves && scene.sees_all_of(at, lane, &lit)
+            })
+    };
+    (0..LANES)
+        .filter(is_clear)
+        .fold(lanes, |bits, lane| bits & !(1 << lane))
 }
 
 /// The points of a line, increasing: its ends, jittered ones, and one anywhere. Without that there

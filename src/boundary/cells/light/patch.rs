@@ -13,7 +13,8 @@
 //! it crosses the cell once. A shadow that is shorter than the spacing of the points may be missed,
 //! and is weighed for that (`crate::boundary::shadows`).
 
-use super::line::{PAIRS, POINTS, chance_of_point, points};
+use super::line::{PAIRS, POINTS, chance_of_point, points, unclear};
+use crate::boundary::clearance::Lit;
 use crate::boundary::light_samples;
 use crate::boundary::occlusion::{OccluderEnd, SurfacePoint};
 use crate::boundary::search_scene::SearchScene;
@@ -27,6 +28,7 @@ use crate::paths::leaving::SHADOW_FAR;
 use crate::paths::light::patches::Patch;
 use crate::paths::moving::Sector;
 use crate::paths::rays::lane_of;
+use crate::trace::geometry::Geometry;
 use glam::{DVec3, Vec3};
 
 /// The ends of a line lie this far inside the light, where no ray grazes its border.
@@ -36,6 +38,10 @@ const RIM: f32 = 1e-4;
 /// bright side of their patches.
 pub fn find(scene: &SearchScene, at: &At, draw: &LightDraw, lanes: u32, out: &mut Found) {
     let facing = lanes & facing_light(at, &draw.patch);
+    let facing = unclear(scene, at, facing, |lane| {
+        let patch = &at.view.lights.patches[draw.patch[lane] as usize];
+        Some((around(at.view.geometry, patch), patch.lower[0]))
+    });
     if facing == 0 {
         return;
     }
@@ -137,7 +143,10 @@ impl LightLines<'_> {
         let [a, b] = part.map(|at| (point(at) - x).as_dvec3());
         let moves = vertices.moves >> lane & 1 == 1
             || moving.vertex(view.geometry, patch.lower[0])
-            || moving.meets(&Sector::between(x.as_dvec3(), a, b));
+            || (moving.meets(&Sector::between(x.as_dvec3(), a, b))
+                && !self
+                    .scene
+                    .sees_all_of(self.at, lane, &around(view.geometry, patch)));
         moves.then_some(part)
     }
 
@@ -152,6 +161,20 @@ impl LightLines<'_> {
         let y = view.patch_points(&self.draw.patch, s, r);
         let rays = view.toward(surface.x, surface.geometric, y, active);
         view.unoccluded(&rays, &mut out.counts.light_cell)
+    }
+}
+
+/// A patch that is looked at as a whole.
+fn around(geometry: &Geometry, patch: &Patch) -> Lit {
+    let middle = patch.point(0.5, 0.5).as_dvec3();
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+    let away = corners.map(|[s, r]| (patch.point(s, r).as_dvec3() - middle).abs());
+    Lit {
+        middle,
+        half: away.into_iter().fold(DVec3::ZERO, DVec3::max),
+        reach: 1.0,
+        mesh: geometry.mesh_of_vertex(patch.lower[0]),
+        is_one: false,
     }
 }
 
