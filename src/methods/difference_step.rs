@@ -27,10 +27,11 @@ pub fn step(
     let width = settings
         .resolution
         .map_or(scene.sensors[settings.sensor].film.width, |r| r[0]) as f64;
-    // Of a parallel projection: pixels per unit of length.
+    // Of a parallel projection: pixels per unit of length, along the axis that has more of them.
+    let [right, down] = camera.direction_per_pixel().map(|d| d.length());
     let per_length = camera
         .parallel_half_width()
-        .map(|half| width / (2.0 * half));
+        .map(|half| width / (2.0 * half) * (right / down).max(1.0));
     // Pixels per radian.
     let pixels = match per_length {
         None => width / (2.0 * camera.tan_half_x_fov),

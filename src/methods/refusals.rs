@@ -131,17 +131,10 @@ fn is_layered(bsdf: &Bsdf) -> bool {
     }
 }
 
-/// Sides of a film that differ by less are rounded.
-const UNEVEN: f32 = 1e-5;
-
 /// Why edges that a camera sees are not found.
 fn behind_a_lens(sensor: &Sensor, misses: impl Fn(Discontinuity) -> bool) -> Option<String> {
     let (kind, instead) = match sensor.lens {
         Lens::Pinhole => return None,
-        Lens::Parallel { half_sides } if (half_sides.x / half_sides.y - 1.0).abs() > UNEVEN => (
-            "by a parallel projection that is scaled unevenly",
-            "scale it alike in x and y, or take a perspective camera",
-        ),
         Lens::Thin { .. } if misses(Discontinuity::ThroughLens) => {
             ("through a lens with an aperture", "use --method reparam")
         }

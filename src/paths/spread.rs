@@ -121,7 +121,7 @@ impl Camera {
         match self.lens {
             Lens::Parallel { half_sides } => {
                 let per_tangent = angle / self.tan_half_x_fov;
-                [half_sides.max_element() * per_tangent as f32, 0.0]
+                [half_sides.x * per_tangent as f32, 0.0]
             }
             Lens::Pinhole | Lens::Thin { .. } => [0.0, angle as f32],
         }

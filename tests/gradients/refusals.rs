@@ -173,8 +173,8 @@ fn lenses() {
     taken(&parallel, Method::Reparam, "block.translation", &MOVED);
     refused_by(&parallel, Method::Edges, "block.translation", "parallel");
     refused_by(&parallel, Method::Loubet, "cam.translation", "parallel");
-    refused(&uneven, "block.translation", &MOVED, "unevenly");
-    refused(&uneven, "cam.translation", &MOVED, "unevenly");
+    taken(&uneven, Method::Reparam, "block.translation", &MOVED);
+    taken(&uneven, Method::Reparam, "cam.translation", &MOVED);
     let paint = "floor.bsdf.brdf_0.reflectance.value";
     taken(&thin, Method::Reparam, paint, &MOVED);
     taken(&uneven, Method::Reparam, paint, &MOVED);

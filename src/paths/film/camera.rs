@@ -17,8 +17,8 @@ pub struct Camera {
     pub tan_half_x_fov: f64,
     /// Film coordinates (pixels of the crop window) to the camera's tangents: p = offset + scale·u.
     offset: [f64; 2],
-    scale: f64,
-    /// The film's height over its width.
+    scale: [f64; 2],
+    /// What the film sees from top to bottom over what it sees from side to side.
     aspect: f64,
     pub near_clip: f32,
     pub far_clip: f32,
@@ -46,12 +46,13 @@ impl Camera {
         let shift = sensor.principal_point_offset.as_dvec2();
         let [crop_x, crop_y] = film.crop_offset.map(f64::from);
         let m = sensor.to_world.matrix3;
-        let (reach, tan_half_x_fov) = match sensor.lens {
+        // `stretch`: how much more of the world a pixel sees downward than to the right.
+        let (reach, tan_half_x_fov, stretch) = match sensor.lens {
             Lens::Parallel { half_sides } => {
-                let half = f64::from(half_sides.x);
-                (FAR_EYE * half, 1.0 / FAR_EYE)
+                let [half, other] = half_sides.as_dvec2().to_array();
+                (FAR_EYE * half, 1.0 / FAR_EYE, other / half)
             }
-            Lens::Pinhole | Lens::Thin { .. } => (0.0, (sensor.x_fov_rad as f64 / 2.0).tan()),
+            Lens::Pinhole | Lens::Thin { .. } => (0.0, (sensor.x_fov_rad as f64 / 2.0).tan(), 1.0),
         };
         Self {
             origin: sensor.to_world.translation.into(),
@@ -61,10 +62,10 @@ impl Camera {
             // ratio.
             offset: [
                 1.0 - 2.0 * (crop_x / width + shift.x),
-                (1.0 - 2.0 * (crop_y / height + shift.y)) * height / width,
+                (1.0 - 2.0 * (crop_y / height + shift.y)) * stretch * height / width,
             ],
-            scale: -2.0 / width,
-            aspect: height / width,
+            scale: [-2.0 / width, -2.0 / width * stretch],
+            aspect: stretch * height / width,
             near_clip: sensor.near_clip,
             far_clip: sensor.far_clip,
             lens: sensor.lens,
@@ -133,11 +134,8 @@ impl Camera {
 
     /// The camera's tangents at a film point: what [`camera_direction`] takes.
     pub fn film_to_camera<F: Real>(&self, u: F, v: F) -> (F, F) {
-        let scale = F::splat(self.scale);
-        (
-            F::splat(self.offset[0]) + scale * u,
-            F::splat(self.offset[1]) + scale * v,
-        )
+        let along = |i: usize, at: F| F::splat(self.offset[i]) + F::splat(self.scale[i]) * at;
+        (along(0, u), along(1, v))
     }
 
     /// Where the rays of all film points come from: of a parallel projection a point so far behind
@@ -186,12 +184,14 @@ impl Camera {
         let ahead = to.dot(x.cross(y));
         let tangents = [y.cross(z), z.cross(x)].map(|t| to.dot(t) / (ahead * self.tan_half_x_fov));
         let shift = self.focus_shift();
-        [0, 1].map(|i| (tangents[i] + shift[i] - self.offset[i]) / self.scale)
+        [0, 1].map(|i| (tangents[i] + shift[i] - self.offset[i]) / self.scale[i])
     }
 
     /// Cotangents of a film point from those of the camera's tangents.
     pub fn film_to_camera_adjoint<F: Real>(&self, bars: [F; 2]) -> [F; 2] {
-        bars.map(|bar| bar * F::splat(self.scale))
+        let [u, v] = bars;
+        let [right, down] = self.scale.map(F::splat);
+        [u * right, v * down]
     }
 
     /// Direction from the eye through the film point (`u`, `v`), in pixels of the crop window.
@@ -241,8 +241,8 @@ impl Camera {
             }
             Lens::Parallel { half_sides } => {
                 let (px, py) = self.film_to_camera(u, v);
-                let [right, up] = half_sides.to_array().map(Lane::splat);
-                rays.origin = rays.origin + x * (px * right) + y * (py * up);
+                let half = Lane::splat(half_sides.x);
+                rays.origin = rays.origin + x * (px * half) + y * (py * half);
                 rays.direction = z;
             }
         }
@@ -270,11 +270,9 @@ impl Camera {
 
     /// How the direction changes per pixel to the right and down.
     pub fn direction_per_pixel(&self) -> [DVec3; 2] {
-        let step = self.tan_half_x_fov * self.scale;
-        [
-            self.axes[0].as_dvec3() * step,
-            self.axes[1].as_dvec3() * step,
-        ]
+        let [x, y, _] = self.axes.map(|axis| axis.as_dvec3());
+        let [right, down] = self.scale.map(|scale| self.tan_half_x_fov * scale);
+        [x * right, y * down]
     }
 }
 
