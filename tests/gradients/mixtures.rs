@@ -9,12 +9,12 @@ use common::transposition::{
     all_parameters, both_sides_by, difference, prepared, random_values, random_weight,
 };
 use common::{Direction, Quiet, direction, flat, gradient, settings, variance};
-use glam::{Vec3, vec2, vec3};
+use glam::{Affine2, Mat3, Vec3, vec2, vec3};
 use warpath::methods::{
     Constants, Method, Mixture, OnFilm, OverLobes, Pilot, Prepared, Question, Settings, decide,
     forward,
 };
-use warpath::scene::{Distribution, Lens, Scene, load};
+use warpath::scene::{Beam, BeamProfile, DeltaLightKind, Distribution, Layout, Scene, load};
 use warpath::statistics::agreement::Agreement;
 
 /// Independent runs of each.
@@ -319,7 +319,7 @@ fn the_pilot_sees_all_of_a_small_film() {
 /// Nothing is tried where there is nothing to choose, or where nothing but differences is right.
 #[test]
 fn it_says_why_nothing_is_tried() {
-    let mut scene = ball_in_the_sky();
+    let scene = ball_in_the_sky();
     let colour = direction(&scene, &[("ball.bsdf.reflectance.value", &[1.0, 0.5, 0.2])]);
     let own = settings(&scene, Method::Auto, 4, 3);
     let why = |scene: &Scene, along: &Direction| {
@@ -329,13 +329,29 @@ fn it_says_why_nothing_is_tried() {
         (pilot.chosen, pilot.because.expect("a reason"))
     };
     assert_eq!(why(&scene, &colour).1, "nothing that moves has edges");
-    scene.sensors[0].lens = Lens::Parallel {
-        half_sides: vec2(1.0, 0.8),
+    let bulb = DeltaLightKind::Point {
+        position: vec3(0.0, -2.0, 3.0),
     };
+    let mut scene = scene.delta_light("bulb", bulb, [8.0; 3]);
+    let profile = BeamProfile::Projector {
+        half_tangents: vec2(0.5, 0.5),
+        scale: 1.0,
+        axis: -Vec3::Z,
+    };
+    let light = &mut scene.delta_lights[0];
+    light.beam = Some(Beam {
+        to_local: Mat3::IDENTITY,
+        profile,
+    });
+    let picture = &mut scene.textures[light.power];
+    picture.layout = Layout::Checkerboard {
+        to_uv: Affine2::IDENTITY,
+    };
+    picture.texels = vec![[8.0; 3], [1.0; 3]];
     let moved = direction(&scene, &[("ball.translation", &MOVED)]);
     let (chosen, because) = why(&scene, &moved);
     assert_eq!(chosen, Method::CarriedFd.title());
-    assert!(because.contains("parallel projection"), "{because}");
+    assert!(because.contains("picture jumps"), "{because}");
     let keys: Vec<_> = moved.iter().map(|(p, _)| p.clone()).collect();
     // So few numbers may have a difference each; paths are asked for by both modes together.
     let (settled, _) = decide(&scene, &own, &Question::Backward(&keys), &Quiet).expect("a way");
