@@ -17,12 +17,12 @@
 //! Both parts are linear in what moves, so that the backward sweep can hand cotangents on. Whether
 //! a vertex is a relay depends on the path up to there, and on nothing that moves: that makes no
 //! border. Borders of what comes before keep their weights, since steps end on the surface or in
-//! the triangle's plane, and not on what else a path would meet there. Emission, and delta lights
-//! with the borders of their shadows, belong to what arrives. That a step is no derivative, and
-//! that the plane goes on where the surface ends, is a bias: a part of what relays bring, which is
-//! the less the smaller pixels are.
+//! the triangle's plane, and not on what else a path would meet there; nor do they end beyond what
+//! ends the surface. Emission, and delta lights with the borders of their shadows, belong to what
+//! arrives. That a step is no derivative is a bias: a part of what relays bring, which is the less
+//! the shorter steps are.
 
-use crate::lanes::{LANES, Lane, Real};
+use crate::lanes::{LANES, Lane, Real, V3};
 use crate::paths::at::{At, Numbers};
 use crate::paths::rays::{RayPacket, from_lanes, lane_of, to_rgb};
 use crate::paths::relayed::Relay;
@@ -40,6 +40,11 @@ use std::array::from_fn;
 /// over four times that. Here a long step costs more: on a film that drifts relays take off again
 /// what an exact term adds, and what a long step misses of that does not cancel.
 const STEP_PIXELS: f32 = 0.04;
+/// Steps are shorter where an angle at a bend before changes over them by more than this part of
+/// its cosine, as close to the rims of balls: what lies beyond does not move in proportion there,
+const BEND: f32 = 0.04;
+/// but not shorter than this, or they would be as noisy as derivatives.
+const LEAST_STEP_PIXELS: f32 = 0.01;
 /// Vertices are relays for which a step is longer than this part of the path up to there (or where
 /// paths leave the scene for another direction by as many radians),
 const FAR: f32 = 0.025;
@@ -90,7 +95,7 @@ impl SceneView<'_> {
         let Some(environment) = environment.filter(|e| e.map.is_some()) else {
             return;
         };
-        let turn = spread.ray_rad * STEP_PIXELS;
+        let turn = spread.ray_rad * step_pixels(spread);
         let turns = turn.gt(Lane::splat(FAR)).to_bits();
         let lanes = turns & vertices.escaped & vertices.moves & !vertices.sampled;
         for lane in (0..LANES).filter(|&l| lanes >> l & 1 == 1) {
@@ -122,10 +127,10 @@ impl SceneView<'_> {
 /// jumps that is a border before them.
 fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surface) -> u32 {
     let kinds = &vertices.kinds;
-    let is_far = (spread.at * STEP_PIXELS).gt(spread.length * FAR);
+    let is_far = (spread.at * step_pixels(spread)).gt(spread.length * FAR);
     let mut lanes = is_far.to_bits();
     if let Some(interface) = &surface.interface {
-        let turns = (spread.normal_rad + spread.ray_rad) * STEP_PIXELS;
+        let turns = (spread.normal_rad + spread.ray_rad) * step_pixels(spread);
         lanes |= kinds.special() & turns.gt(interface.alpha * TURN).to_bits();
     }
     lanes &= vertices.hit & vertices.moves & !kinds.in_chains();
@@ -135,6 +140,12 @@ fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surf
     };
     let jumping = (0..LANES).filter(|l| lanes >> l & 1 == 1).filter(jumps);
     jumping.fold(lanes, |lanes, lane| lanes & !(1 << lane))
+}
+
+/// How far the film moves, in pixels, over a step.
+fn step_pixels(spread: &Spread) -> Lane {
+    let in_proportion = Lane::splat(BEND) / spread.bends;
+    Lane::splat(STEP_PIXELS).min(in_proportion.max(Lane::splat(LEAST_STEP_PIXELS)))
 }
 
 /// A step, and what arrives at both of its ends.
@@ -160,6 +171,8 @@ struct End {
     origin: Vec3,
     direction: Vec3,
     triangle: u32,
+    /// Whether this is where the vertex itself is.
+    stays: bool,
 }
 
 /// The steps of these lanes, with as many lanes in a packet as their ends leave room for.
@@ -183,7 +196,7 @@ fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
     let [p, q, _] = corners.map(|v| at.view.geometry.positions[v as usize]);
     let along = (q - p).normalize();
     let [origin, direction] = arriving(at, lane);
-    let length = STEP_PIXELS * spread.at.to_array()[lane];
+    let length = step_pixels(spread).to_array()[lane] * spread.at.to_array()[lane];
     let looks = length.min(FARTHEST * spread.length.to_array()[lane]);
     let normal = lane_of(at.surface.geometric, lane);
     [along, normal.cross(along)].map(|way| Step {
@@ -195,6 +208,7 @@ fn slides(at: &At, lane: usize, spread: &Spread) -> [Step; 2] {
             origin: origin + way * by,
             direction,
             triangle,
+            stays: false,
         }),
     })
 }
@@ -204,7 +218,7 @@ fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
     if at.vertices.kinds.special() >> lane & 1 == 0 {
         return None;
     }
-    let length = STEP_PIXELS * spread.looks_rad.to_array()[lane];
+    let length = step_pixels(spread).to_array()[lane] * spread.looks_rad.to_array()[lane];
     let x = lane_of(at.surface.x, lane);
     let [origin, direction] = arriving(at, lane);
     let unit = direction.normalize();
@@ -217,6 +231,7 @@ fn turns(at: &At, lane: usize, spread: &Spread) -> Option<[Step; 2]> {
             origin: x - unit * x.distance(origin),
             direction: unit * direction.length(),
             triangle: at.vertices.triangle[lane],
+            stays: false,
         }
     };
     let steps = [beside, unit.cross(beside)].map(|way| Step {
@@ -248,17 +263,22 @@ fn rays(steps: &[Step], ray: impl Fn(usize, &End) -> [Vec3; 2]) -> RayPacket {
     }
 }
 
-/// Has slides over curved surfaces end on the surface. Where that does not go on, no farther from
-/// the triangle's plane than a slide is long, they end in the plane. (Paths that left a lens from
-/// there would enter it twice.)
-fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) {
+/// The ends of these steps, two bits for each.
+fn ends_of(steps: &[Step], which: impl Fn(&Step) -> bool) -> u32 {
+    let chosen = steps.iter().enumerate().filter(|(_, step)| which(step));
+    chosen.fold(0, |bits, (i, _)| bits | 0b11 << (2 * i))
+}
+
+/// Has slides over curved surfaces end on the surface. Tells which do, and which do not because
+/// that does not go on no farther from the triangle's plane than a slide is long.
+fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) -> [u32; 2] {
     let geometry = at.view.geometry;
     let curved = spread.normal_rad.gt(Lane::splat(0.0)).to_bits();
-    let slides = |step: &Step| step.changes == Changed::Place && curved >> step.lane & 1 == 1;
-    let active = steps.iter().enumerate().filter(|(_, step)| slides(step));
-    let active = active.fold(0u32, |bits, (i, _)| bits | 0b11 << (2 * i));
+    let active = ends_of(steps, |step| {
+        step.changes == Changed::Place && curved >> step.lane & 1 == 1
+    });
     if active == 0 {
-        return;
+        return [0, 0];
     }
     store.counts.relay += u64::from(active.count_ones());
     let through = |lane: usize, end: &End| {
@@ -278,10 +298,52 @@ fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) {
         (q - p).cross(r - p).dot(direction) < 0.0
     };
     let ends = steps.iter_mut().flat_map(|step| &mut step.ends);
-    for (end, t) in ends.zip(met) {
+    let mut found = 0;
+    for ((i, end), t) in ends.enumerate().zip(met) {
         let sides = |t: u32| (mesh(t), is_seen_from_front(t, end.direction));
         if t != NO_TRIANGLE && sides(t) == sides(end.triangle) {
             end.triangle = t;
+            found |= 1 << i;
+        }
+    }
+    [active & found, active & !found]
+}
+
+/// Has slides stay where they begin if they lead into something, or if a curved surface does not go
+/// on: differences are of one side then.
+///
+/// What is seen of a floor ends where a wall begins, and that is a border, with what the floor is
+/// there. Beyond it the plane is dark. Differences across the wall would take off a half of the
+/// border, however short they are. From beyond its rim a path would enter a lens twice, likewise.
+fn stay_before_walls(at: &At, [found, lost]: [u32; 2], steps: &mut [Step], store: &mut TileStore) {
+    let slides = ends_of(steps, |step| step.changes == Changed::Place);
+    let active = slides & !found & !lost;
+    let of_lane = |of: V3<Lane>| {
+        from_lanes(&from_fn(|l| {
+            lane_of(of, steps[(l / 2).min(steps.len() - 1)].lane)
+        }))
+    };
+    let [x, geometric] = [at.surface.x, at.surface.geometric].map(of_lane);
+    let back = -of_lane(at.vertices.direction);
+    let away = rays(steps, |lane, end| {
+        let start = arriving(at, lane)[0];
+        [start, end.origin - start]
+    });
+    let along = RayPacket {
+        active,
+        direction: away.direction,
+        far: 1.0,
+        ..at.view.leaving(x, geometric, back, active)
+    };
+    let free = at.view.unoccluded(&along, &mut store.counts.relay);
+    let blocked = active & !free | lost;
+    for (i, step) in steps.iter_mut().enumerate() {
+        let [origin, _] = arriving(at, step.lane);
+        for (side, end) in step.ends.iter_mut().enumerate() {
+            if blocked >> (2 * i + side) & 1 == 1 {
+                end.origin = origin;
+                end.stays = true;
+            }
         }
     }
 }
@@ -293,10 +355,12 @@ fn relay_packet(
     (spread, trace): (&Spread, Trace),
     store: &mut TileStore,
 ) {
-    meet(at, spread, &mut steps, store);
+    let found = meet(at, spread, &mut steps, store);
+    stay_before_walls(at, found, &mut steps, store);
     let radiance = radiance(at, &steps, trace, store);
     let slope = |(i, step): (usize, &Step)| {
-        let slope = (radiance[2 * i] - radiance[2 * i + 1]) / (2.0 * step.length);
+        let sides = step.ends.iter().filter(|end| !end.stays).count() as f32;
+        let slope = (radiance[2 * i] - radiance[2 * i + 1]) / (sides * step.length);
         if slope.is_finite() { slope } else { Vec3::ZERO }
     };
     let sloped = steps.iter().enumerate().map(|of| (of.1, slope(of)));

@@ -34,6 +34,9 @@ pub struct Spread {
     pub normal_rad: Lane,
     /// Of the angle at which the ray has arrived.
     cos: Lane,
+    /// The largest part of its cosine by which an angle changes where lobes that are no diffuse
+    /// ones reflected or refracted the path so far.
+    pub bends: Lane,
     /// Lanes whose rays follow what they meet.
     follows: u32,
 }
@@ -51,6 +54,7 @@ impl Spread {
             looks_rad: zero,
             normal_rad: zero,
             cos: zero,
+            bends: zero,
             follows: 0,
         }
     }
@@ -63,6 +67,7 @@ impl Spread {
         let moves = lane_mask(vertices.moves);
         let [start, angle] = self.pixel.map(Lane::splat);
         self.ray_rad = <Lane as Real>::select(moves, self.ray_rad, angle);
+        self.bends = <Lane as Real>::select(moves, self.bends, Lane::splat(0.0));
         let pixel = start + angle * self.length;
         let over = <Lane as Real>::select(lane_mask(self.follows), step, self.length);
         self.looks_rad = self.ray_rad.max(pixel / over);
@@ -82,7 +87,10 @@ impl Spread {
         let with_normal = self.normal_rad + self.normal_rad + self.ray_rad;
         let kept = select(lane_mask(kinds.in_chains()), self.ray_rad, self.normal_rad);
         let turns = select(lane_mask(turned), with_normal, kept);
-        let is_held = lane_mask(vertices.rests | vertices.drifts);
+        let held = vertices.rests | vertices.drifts;
+        let is_held = lane_mask(held);
+        let bends = self.bends.max((self.normal_rad + self.ray_rad) / self.cos);
+        self.bends = select(lane_mask(turned & !held), bends, self.bends);
         self.ray_rad = select(is_held, Lane::splat(0.0), turns);
         self.follows = vertices.drifts;
         let across = self.at * self.cos;
