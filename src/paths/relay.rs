@@ -269,8 +269,9 @@ fn ends_of(steps: &[Step], which: impl Fn(&Step) -> bool) -> u32 {
     chosen.fold(0, |bits, (i, _)| bits | 0b11 << (2 * i))
 }
 
-/// Has slides over curved surfaces end on the surface. Tells which do, and which do not because
-/// that does not go on no farther from the triangle's plane than a slide is long.
+/// Has slides over curved surfaces end on the surface. Where that does not go on, no farther from
+/// the triangle's plane than a slide is long, they end in the plane. Tells which end on it, and
+/// which ends in the plane are those of lenses.
 fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) -> [u32; 2] {
     let geometry = at.view.geometry;
     let curved = spread.normal_rad.gt(Lane::splat(0.0)).to_bits();
@@ -306,18 +307,26 @@ fn meet(at: &At, spread: &Spread, steps: &mut [Step], store: &mut TileStore) -> 
             found |= 1 << i;
         }
     }
-    [active & found, active & !found]
+    let lets_through = at.vertices.kinds.dielectric | at.vertices.kinds.transmits;
+    let lens = ends_of(steps, |step| lets_through >> step.lane & 1 == 1);
+    [active & found, active & !found & lens]
 }
 
-/// Has slides stay where they begin if they lead into something, or if a curved surface does not go
-/// on: differences are of one side then.
+/// Has slides stay where they begin if they lead into something, or if a lens does not go on:
+/// differences are of one side then.
 ///
 /// What is seen of a floor ends where a wall begins, and that is a border, with what the floor is
 /// there. Beyond it the plane is dark. Differences across the wall would take off a half of the
 /// border, however short they are. From beyond its rim a path would enter a lens twice, likewise.
-fn stay_before_walls(at: &At, [found, lost]: [u32; 2], steps: &mut [Step], store: &mut TileStore) {
+/// What scatters goes on smoothly in the plane; toward its rim differences of one side lack more.
+fn stay_before_walls(
+    at: &At,
+    [found, beyond]: [u32; 2],
+    steps: &mut [Step],
+    store: &mut TileStore,
+) {
     let slides = ends_of(steps, |step| step.changes == Changed::Place);
-    let active = slides & !found & !lost;
+    let active = slides & !found & !beyond;
     let of_lane = |of: V3<Lane>| {
         from_lanes(&from_fn(|l| {
             lane_of(of, steps[(l / 2).min(steps.len() - 1)].lane)
@@ -336,7 +345,7 @@ fn stay_before_walls(at: &At, [found, lost]: [u32; 2], steps: &mut [Step], store
         ..at.view.leaving(x, geometric, back, active)
     };
     let free = at.view.unoccluded(&along, &mut store.counts.relay);
-    let blocked = active & !free | lost;
+    let blocked = active & !free | beyond;
     for (i, step) in steps.iter_mut().enumerate() {
         let [origin, _] = arriving(at, step.lane);
         for (side, end) in step.ends.iter_mut().enumerate() {
