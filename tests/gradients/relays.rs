@@ -1,11 +1,12 @@
 //! Vertices that move fast, which paths are compared at over a step (`paths::relay`).
 
+use common::compared::agreement;
 use common::comparison::Interior::Fails;
 use common::comparison::*;
 use common::materials::*;
 use common::scenes::*;
 use common::transposition::transposed;
-use common::{Quiet, direction, settings, variance};
+use common::{Quiet, differences, direction, gradient, settings, variance};
 use glam::vec3;
 use warpath::methods::{Method, forward};
 use warpath::scene::{DeltaLightKind, Distribution, Scene};
@@ -41,6 +42,38 @@ fn what_small_balls_show_is_right() {
     let scene = small_balls();
     check_relayed(&scene, ("cam.translation", &MOVED));
     check_relayed(&scene, ("block.translation", &MOVED));
+}
+
+/// A floor up to a black wall, in a ball of metal.
+fn up_to_a_wall() -> Scene {
+    let eye = vec3(0.3, -3.4, 1.9);
+    let corner = vec3(-3.0, -1.6, 0.0);
+    let wall = parallelogram(corner, vec3(0.0, 0.0, 1.0), vec3(6.0, 0.0, 0.0));
+    lit(scene(eye, vec3(0.0, 0.1, 0.37), 3.0, [4; 2], GAUSSIAN))
+        .solid("floor", floor(2.2, 0.0), [0.6, 0.5, 0.4])
+        .solid("wall", wall, [0.0; 3])
+        .smooth("ball", ball(4, vec3(0.0, 0.1, 0.4), 0.15), [0.5; 3])
+        .mirror("ball")
+        .depth(3)
+}
+
+/// No step ends within the wall, where the plane of the floor is dark.
+#[test]
+fn floors_end_at_walls() {
+    let scene = up_to_a_wall();
+    let moved: (&str, &[f32]) = ("ball.translation", &MOVED);
+    assert!(relayed(&scene, moved) > 100);
+    let along = direction(&scene, &[moved]);
+    let settings = |method, spp, seed| settings(&scene, method, spp, seed);
+    // The row that shows the corner: what the others show of the lamp and the rim would drown it.
+    let row = |image: Vec<f64>| image[image.len() / 2..image.len() * 3 / 4].to_vec();
+    let ours = |seed| gradient(&scene, &settings(Method::Reparam, 1024, seed), &along);
+    let theirs = |seed| differences(&scene, &settings(Method::Fd, 4096, seed), &along, 0.006);
+    let ours: Vec<_> = (1..13).map(ours).map(row).collect();
+    let theirs: Vec<_> = (1000..1012).map(theirs).map(row).collect();
+    let found = agreement(&ours, &theirs);
+    assert!(found.holds(SIGMAS), "{found:.4?}");
+    println!("{found:.4?}");
 }
 
 /// A ball of rough glass that throws its caustic around where it stands.
