@@ -48,6 +48,8 @@ const LEAST_STEP_PIXELS: f32 = 0.01;
 /// Vertices are relays for which a step is longer than this part of the path up to there (or where
 /// paths leave the scene for another direction by as many radians),
 const FAR: f32 = 0.025;
+/// of flat things that the camera sees than this part (elsewhere the film has other means),
+const FAR_SEEN: f32 = 0.1;
 /// or over which a lobe turns by more than this part of its width.
 const TURN: f32 = 0.125;
 /// Steps are looked at no farther away than this part of the path up to there, and from directions
@@ -70,12 +72,13 @@ impl SceneView<'_> {
         store: &mut TileStore,
     ) {
         spread.arrive(self, vertices, surface);
-        // At what the camera sees directly the film has other means.
+        let mut lanes = relays(self, spread, vertices, surface);
         if numbers.depth == 0 {
-            return;
+            lanes &= seen_edge_on(spread);
+            vertices.relays = [store.relays.len() as u32; 2];
+        } else {
+            self.relay_escaped(spread, vertices, store);
         }
-        self.relay_escaped(spread, vertices, store);
-        let lanes = relays(self, spread, vertices, surface);
         let at = At {
             view: self,
             vertices,
@@ -140,6 +143,13 @@ fn relays(view: &SceneView, spread: &Spread, vertices: &Vertices, surface: &Surf
     };
     let jumping = (0..LANES).filter(|l| lanes >> l & 1 == 1).filter(jumps);
     jumping.fold(lanes, |lanes, lane| lanes & !(1 << lane))
+}
+
+/// Of what the camera sees only what is flat and nearly edge-on moves much faster than the film.
+/// Where much lies in a pixel the film follows something else, and such a leaf slides under it.
+fn seen_edge_on(spread: &Spread) -> u32 {
+    let is_far = (spread.at * step_pixels(spread)).gt(spread.length * FAR_SEEN);
+    is_far.to_bits() & !spread.normal_rad.gt(Lane::splat(0.0)).to_bits()
 }
 
 /// How far the film moves, in pixels, over a step.
