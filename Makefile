@@ -10,7 +10,7 @@ DEMO = forward scenes/demo.xml --param 'occluder.translation=1,0,0'
 
 comma = ,
 
-.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures study cornell test-bare-debian
+.PHONY: help deps demo test test-long test-mpi test-python bench bench-backends figures study cornell complex test-bare-debian
 
 help:
 	@echo "make demo           a gradient image of a moving soft shadow, and the finite differences it agrees with"
@@ -23,6 +23,7 @@ help:
 	@echo "make figures        the paper's figures beside finite differences, into out/figures (long; QUICK=1: a minute, to try it)"
 	@echo "make study          every method on the failure battery: docs/stability.md, and charts into out/study (minutes)"
 	@echo "make cornell        smooth and rough balls in a Cornell box: docs/cornell.md (minutes)"
+	@echo "make complex        hedges, hair, forests in three densities: docs/complexity_measured.md (more than an hour)"
 	@echo "make test-bare-debian  make demo and make test on a bare Debian 12 and a bare Debian 13, in chroots (long)"
 	@echo "make deps           only install what the others need"
 
@@ -78,6 +79,13 @@ cornell: deps
 	$(BUILD)
 	rm -f out/cornell/study.jsonl
 	$(CARGO_RUN) study scenes/cornell/study.toml -o out/cornell --report docs/cornell.md
+
+complex: deps
+	$(BUILD)
+	cargo run --release --locked --quiet --example make_complex_scenes -- all
+	rm -f out/complex/study/study.jsonl
+	$(CARGO_RUN) study scenes/complex/study.toml -o out/complex/study --report docs/complexity_measured.md
+	cp out/complex/study/summary.svg docs/pictures/complexity.svg
 
 test-bare-debian:
 	scripts/test-bare-debian

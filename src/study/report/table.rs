@@ -1,6 +1,7 @@
 //! Scene × method as Markdown.
 
 use crate::study::cell::{Cell, Row};
+use crate::study::chart::axis::label;
 use crate::study::config::Plan;
 use crate::study::verdict::{Kind, percent};
 use std::fmt::Write;
@@ -8,7 +9,7 @@ use std::fmt::Write;
 /// What stands where there is no number, and why.
 const NONE: &str = "–";
 
-/// A table with a line for each direction and method, at the most samples.
+/// A table with a line for each direction, number of samples and method.
 pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
     let mut text = format!("# {}\n\n", plan.title);
     if !plan.about.is_empty() {
@@ -26,7 +27,7 @@ pub fn markdown(plan: &Plan, rows: &[Row]) -> String {
         }
         text += &reference(row);
         text += HEAD;
-        for cell in last_cells(row) {
+        for cell in &row.cells {
             text += &line(cell);
         }
     }
@@ -43,6 +44,8 @@ const COLUMNS: &str = "\
 - *Rms bias*: what averaging over the repeats would leave, freed of their noise and of the
   reference's, relative to the gradient's root mean square (rms), ± its standard error if there is
   no bias. *Sigmas*: how rare such repeats are without a bias, as images or in their size.
+- *Efficiency*: 1/(error² · processor time) over that of `fd` with as many samples, over all rows
+  that have one.
 - *Noise*: standard deviation in equal processor time over that of `fd` with as many samples;
   measured in turns, medians. Below one is better than `fd`.
 - *Kurtosis* of the deviations of all numbers of all repeats: three for equal normal noise in all
@@ -53,34 +56,43 @@ const COLUMNS: &str = "\
 - A dash stands where a method refused, or where there is no gradient to be relative to.
 ";
 
-/// Of each method, how many verdicts of each kind.
+/// Of each method, how many verdicts of each kind, and what it is worth beside finite differences.
 fn counts(rows: &[Row]) -> String {
+    let cells = || rows.iter().flat_map(|row| &row.cells);
     let mut methods: Vec<&str> = Vec::new();
-    for cell in rows.iter().flat_map(last_cells) {
+    for cell in cells() {
         if !methods.contains(&cell.method.as_str()) {
             methods.push(&cell.method);
         }
     }
     let names = Kind::ALL.map(|(name, _)| name).join(" | ");
     let mut text = format!(
-        "| method | {names} |\n|---|{}\n",
-        "---|".repeat(Kind::ALL.len())
+        "| method | {names} | efficiency: least | geometric mean | most |\n|{}\n",
+        "---|".repeat(Kind::ALL.len() + 4)
     );
     for method in methods {
-        let of = |kind: Kind| {
-            let cells = rows.iter().flat_map(last_cells);
-            let same = cells.filter(|c| c.method == method && c.verdict.kind == kind);
-            same.count().to_string()
-        };
-        let numbers = Kind::ALL.map(|(_, kind)| of(kind)).join(" | ");
-        text += &format!("| `{method}` | {numbers} |\n");
+        let of = || cells().filter(|cell| cell.method == method);
+        let count = |kind: Kind| of().filter(|c| c.verdict.kind == kind).count().to_string();
+        let numbers = Kind::ALL.map(|(_, kind)| count(kind)).join(" | ");
+        let worth = of().filter_map(|cell| cell.times.as_ref()?.relative_efficiency);
+        let worth = least_mean_and_most(worth.collect()).join(" | ");
+        text += &format!("| `{method}` | {numbers} | {worth} |\n");
     }
     text
 }
 
-fn last_cells(row: &Row) -> impl Iterator<Item = &Cell> {
-    let most = row.cells.iter().map(|cell| cell.spp).max();
-    row.cells.iter().filter(move |cell| Some(cell.spp) == most)
+/// The mean is the geometric one.
+fn least_mean_and_most(worth: Vec<f64>) -> [String; 3] {
+    let text = |x: f64| match worth.is_empty() {
+        true => NONE.into(),
+        false => label(x),
+    };
+    let logarithms: f64 = worth.iter().map(|x| x.ln()).sum();
+    [
+        text(worth.iter().copied().fold(f64::INFINITY, f64::min)),
+        text((logarithms / worth.len() as f64).exp()),
+        text(worth.iter().copied().fold(0.0, f64::max)),
+    ]
 }
 
 fn reference(row: &Row) -> String {
