@@ -102,7 +102,7 @@ fn in_a_mirror() {
     let wall = parallelogram(vec3(-0.9, 0.9, -0.1), Vec3::X * 1.8, Vec3::Z * 1.6);
     let seen = mirrored(vec3(0.0, 0.9, 0.5), 14.0).solid("wall", wall, [0.5; 3]);
     let seen = seen.mirror("wall");
-    for scene in [projector(seen.clone()), spot(seen)] {
+    for scene in thinned(2, [projector(seen.clone()), spot(seen)]) {
         checked(&scene, "bulb.position", &BULB_MOVED, 128, STEP);
         checked(&scene, "wall.rotation", &[0.1, 0.0, 0.2], 128, STEP);
     }

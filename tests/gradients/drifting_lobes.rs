@@ -292,17 +292,17 @@ fn a_dented_thing_of_brushed_metal() {
 
 #[test]
 fn a_dented_thing_with_a_relief() {
+    let paints: [(fn(Scene) -> Scene, _); 5] = [
+        (|scene| scene, MOVED),
+        (|scene| scene.metal("thing", 0.3, Ggx), MOVED),
+        (|scene| scene.plastic("thing", Some(0.3)), BY_CAMERA),
+        (|scene| scene.glass("thing", 0.3), BY_CAMERA),
+        (|scene| scene.layers("thing", 0.3), MOVED),
+    ];
     for bumps in thinned(2, [None, Some(0.05)]) {
-        let turned = |paint: fn(Scene) -> Scene| seen(|s| paint(s).relief("thing", bumps));
-        agrees(&turned(|scene| scene), MOVED, 512);
-        agrees(&turned(|scene| scene.metal("thing", 0.3, Ggx)), MOVED, 512);
-        agrees(
-            &turned(|scene| scene.plastic("thing", Some(0.3))),
-            BY_CAMERA,
-            512,
-        );
-        agrees(&turned(|scene| scene.glass("thing", 0.3)), BY_CAMERA, 512);
-        agrees(&turned(|scene| scene.layers("thing", 0.3)), MOVED, 512);
+        for (paint, part) in thinned(2, paints) {
+            agrees(&seen(|s| paint(s).relief("thing", bumps)), part, 512);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pictures whose detail is finer than a pixel, on things that move: the film follows those of
 //! colours, and over those that turn normals directions rest.
 
-use common::comparison::{Interior::Fails, check_to, lit};
+use common::comparison::{Interior::Fails, check_to, lit, thinned};
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
@@ -66,12 +66,13 @@ fn following_is_less_noise() {
 #[test]
 fn of_normals() {
     for bumps in [None, Some(0.003)] {
-        for paint in [
+        let paints = [
             (|s| s) as fn(Scene) -> Scene,
             |s| s.metal("thing", 0.3, Ggx),
             |s| s.plastic("thing", Some(0.2)),
             |s| s.layers("thing", 0.2),
-        ] {
+        ];
+        for paint in thinned(2, paints) {
             let spikes = spiky(AT, 0.4, [1.0, 0.5]);
             let scene = paint(above_a_floor(GAUSSIAN).solid("thing", spikes, [0.8; 3]));
             let scene = fine(scene.relief("thing", bumps), 64.0);

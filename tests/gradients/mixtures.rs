@@ -83,6 +83,7 @@ fn few_lines_are_enough() {
 
 /// What the film's drift brings of a caustic is taken off by relays ([`crate::relays`]).
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn a_film_that_follows_all_sees_caustics_right() {
     let scene = crate::relays::caustic();
     let along = direction(&scene, &[("ball.translation", &MOVED)]);
@@ -151,6 +152,7 @@ fn lamp_behind_leaves() -> Scene {
 /// By the motion of a lamp and of a block: edges are drawn for the floor and the leaves, and cells
 /// are searched for what the block sees.
 #[test]
+#[cfg_attr(not(feature = "long-tests"), ignore = "takes a minute: make test-long")]
 fn edges_from_rest_are_right_among_things_that_intersect() {
     let scene = lamp_behind_leaves();
     let along = direction(
