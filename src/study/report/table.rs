@@ -45,7 +45,7 @@ const COLUMNS: &str = "\
   reference's, relative to the gradient's root mean square (rms), ± its standard error if there is
   no bias. *Sigmas*: how rare such repeats are without a bias, as images or in their size.
 - *Efficiency*: 1/(error² · processor time) over that of `fd` with as many samples, over all rows
-  that have one.
+  that have one, right or not.
 - *Noise*: standard deviation in equal processor time over that of `fd` with as many samples;
   measured in turns, medians. Below one is better than `fd`.
 - *Kurtosis* of the deviations of all numbers of all repeats: three for equal normal noise in all
