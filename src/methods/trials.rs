@@ -182,6 +182,7 @@ impl<'a> Trials<'a> {
             work,
             looks_over_lobes: rays.contains_key("bounce_cell"),
             probes_share: self.work_of(way, &probes) / self.work_of(way, rays),
+            lights_share: found.statistics.borders.lights_share(),
             noise: self.noise(way, found),
         });
     }

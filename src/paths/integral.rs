@@ -51,6 +51,14 @@ pub struct Borders {
 }
 
 impl ByIntegral<Borders> {
+    /// What those over lights and environment maps have brought, of what all have; one if that is
+    /// nothing.
+    pub fn lights_share(&self) -> f64 {
+        let lights = self[Integral::Lights].brought + self[Integral::Environment].brought;
+        let all = self.all().brought;
+        if all > 0.0 { lights / all } else { 1.0 }
+    }
+
     /// All of them.
     pub fn all(&self) -> Borders {
         let mut all = Borders::default();

@@ -1,7 +1,11 @@
 //! What cells foretell of the noise of differences, against differences: right to a factor of two.
 
+use common::comparison::{SKY, close_up};
+use common::materials::Paint;
+use common::scenes::*;
 use common::{Direction, Quiet, direction, flat, settings};
 use warpath::methods::{self, Method};
+use warpath::scene::Distribution::Ggx;
 use warpath::scene::{Scene, load};
 use warpath::statistics::estimate::Estimate;
 
@@ -35,8 +39,12 @@ fn foretold(scene: &Scene, direction: &Direction) -> Estimate {
 
 fn agrees(name: &str, key: &str) {
     let scene = load(format!("scenes/failures/{name}.xml"), &[]).expect("a scene");
-    let along = direction(&scene, &[(key, &[1.0, 0.2, 0.3])]);
-    let (truth, told) = (measured(&scene, &along), foretold(&scene, &along));
+    agrees_in(name, &scene, key);
+}
+
+fn agrees_in(name: &str, scene: &Scene, key: &str) {
+    let along = direction(scene, &[(key, &[1.0, 0.2, 0.3])]);
+    let (truth, told) = (measured(scene, &along), foretold(scene, &along));
     println!(
         "{name} {key}: measured {:.4} +- {:.4}, foretold {:.4} +- {:.4}",
         truth.value, truth.error, told.value, told.error
@@ -59,4 +67,12 @@ fn silhouettes_on_the_film() {
 #[test]
 fn what_bounces_meet() {
     agrees("sky_shadow", "obj.translation");
+}
+
+/// Narrow lobes are dense: a path that they hold carries no more for that.
+#[test]
+fn what_narrow_lobes_meet() {
+    let scene = close_up().constant_environment(SKY).depth(2);
+    let scene = scene.metal("floor", 0.05, Ggx);
+    agrees_in("metal", &scene, "block.translation");
 }

@@ -163,10 +163,10 @@ fn push(
     let chance = f64::from(vertices.lobe_chance.to_array()[lane]);
     let survival = f64::from(vertices.line_survival.to_array()[lane]);
     let throughput = lane_of(vertices.throughput, lane).as_dvec3();
-    let jump = throughput * value * jump / chance;
+    let jump = throughput * jump / chance;
     let x = lane_of(at.surface.x, lane).as_dvec3();
     let (boundary, per_line) = (point.boundary).standing_seen_from(at.view.geometry, x, seen);
-    let brings = jump * (density * point.per_side * per_line * survival);
+    let brings = value * jump * (density * point.per_side * per_line * survival);
     if !brings.is_finite() {
         out.counts.boundary_not_finite += 1;
     } else if brings != glam::DVec3::ZERO {
@@ -176,7 +176,7 @@ fn push(
             lane: lane as u8,
             at: Coordinate::Lobe(local.to_array()),
             weight: brings.as_vec3().to_array(),
-            jump: jump.length() as f32,
+            jump: (surface.weight_of_path(local, value) * jump).length() as f32,
             shadow: None,
         });
     }

@@ -360,6 +360,17 @@ impl View {
         }
     }
 
+    /// Density over solid angle of facet normals in the lobe that was drawn, about z.
+    pub fn pdf_normal(&self, vertices: &Vertices, lane: usize, h: DVec3) -> f64 {
+        match (&self.grain, &self.layers) {
+            (_, Some(chances)) if vertices.lobes.coat >> lane & 1 == 1 => {
+                pdf_coat_normal(chances.gloss, h)
+            }
+            (Some(grain), _) => grain.pdf_normal(self.wi, h),
+            _ => pdf_normal(self.wi, h, self.alpha),
+        }
+    }
+
     /// How rough the lobe that was drawn is in a direction across the normal (unit, in the world).
     pub fn alpha_along(&self, vertices: &Vertices, lane: usize, tangent: DVec3) -> f64 {
         match (&self.grain, &self.layers) {

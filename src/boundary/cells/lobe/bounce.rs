@@ -7,6 +7,7 @@ use crate::kernels::frame::direction_from_local;
 use crate::kernels::layered::layered_sample;
 use crate::kernels::relief::relief_shadow;
 use crate::paths::rays::lane_of;
+use crate::paths::surface::lobe_sample::View;
 use glam::DVec3;
 
 impl LaneSurface<'_> {
@@ -18,6 +19,18 @@ impl LaneSurface<'_> {
         }
         let [base, turned] = [self.base_n, self.n].map(vector);
         (next, weight * relief_shadow(base, turned, vector(next)))
+    }
+
+    /// What a path goes on with that is drawn at a coordinate of this weight.
+    pub fn weight_of_path(&self, local: DVec3, weight: DVec3) -> DVec3 {
+        let vertices = self.at.vertices;
+        match self.lobe {
+            Lobe::Diffuse => weight,
+            Lobe::Reflected | Lobe::Refracted => {
+                let view = View::of_lane(vertices, self.at.surface, self.lane);
+                weight / view.pdf_normal(vertices, self.lane, local)
+            }
+        }
     }
 
     /// The same without what a turned surface hides of itself.

@@ -126,8 +126,8 @@ impl LobeSearch<'_> {
         let chance = vertices.lobe_chance.to_array()[lane] as f64;
         let survival = vertices.line_survival.to_array()[lane] as f64;
         let throughput = lane_of(vertices.throughput, lane).as_dvec3();
-        let jump = throughput * value * jump / chance;
-        let radiance = jump * (weight * survival);
+        let jump = throughput * jump / chance;
+        let radiance = value * jump * (weight * survival);
         if !radiance.is_finite() {
             self.out.counts.boundary_not_finite += 1;
             return;
@@ -140,7 +140,7 @@ impl LobeSearch<'_> {
             at: Coordinate::Lobe(local.to_array()),
             chain,
             weight: radiance.as_vec3().to_array(),
-            jump: jump.length() as f32,
+            jump: (at.weight_of_path(local, value) * jump).length() as f32,
         });
     }
 }
