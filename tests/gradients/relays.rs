@@ -43,8 +43,9 @@ fn check_relayed(scene: &Scene, (key, by): (&str, &[f32])) {
 #[test]
 fn what_small_balls_show_is_right() {
     let scene = small_balls();
-    check_relayed(&scene, ("cam.translation", &MOVED));
-    check_relayed(&scene, ("block.translation", &MOVED));
+    for key in thinned(2, ["cam.translation", "block.translation"]) {
+        check_relayed(&scene, (key, &MOVED));
+    }
 }
 
 /// A floor up to a black wall, in a ball of metal.
