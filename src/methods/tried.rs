@@ -212,9 +212,9 @@ mod tests {
             });
         }
         assert!(all.best().is_difference() && all.differences_promise(4.0));
-        all.foretold_of_differences = 2.0 * USUAL;
+        all.foretold_of_differences = 3.0 * USUAL;
         assert!(!all.best().is_difference() && !all.differences_promise(1.0));
-        assert_eq!(all.pilot().trials[1].variance, 2.0 * USUAL);
+        assert_eq!(all.pilot().trials[1].variance, 3.0 * USUAL);
     }
 
     /// Short looks have to be clearer than whole ones.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Errors, in units of the reference's root mean square (of 1 if it has none).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Of one run, freed of the reference's noise.
+    /// Of one run: its noise, and the bias as far as that is seen beside the reference's noise.
     pub rmse: f64,
     /// Standard deviation of one run.
     pub sd: f64,
