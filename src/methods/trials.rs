@@ -18,6 +18,7 @@ use super::tried::{AllTried, Tried};
 use super::work::{BORDER_US, DISPLACED_VERTEX_US, work};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 use crate::paths::film::drift::Drift;
+use crate::paths::integral::Integral;
 use crate::picture::Image;
 use crate::scene::SceneDifferential;
 use crate::scene::parameters::{self, Parameter};
@@ -173,7 +174,7 @@ impl<'a> Trials<'a> {
         [variance, work]: [f64; 2],
         found: &ForwardGradient,
     ) {
-        let rays = &found.statistics.rays;
+        let (rays, borders) = (&found.statistics.rays, &found.statistics.borders);
         let probes = [("probe", rays.get("probe").copied().unwrap_or(0))].into();
         self.done.add(Tried {
             way,
@@ -182,7 +183,8 @@ impl<'a> Trials<'a> {
             work,
             looks_over_lobes: rays.contains_key("bounce_cell"),
             probes_share: self.work_of(way, &probes) / self.work_of(way, rays),
-            lights_share: found.statistics.borders.lights_share(),
+            film_borders: borders[Integral::Film].found as f64 / rays["camera"] as f64,
+            lights_share: borders.lights_share(),
             noise: self.noise(way, found),
         });
     }

@@ -8,11 +8,13 @@ use super::statistics::{Pilot, Trial};
 /// of a whole look or more, and by shorter ones.
 const WORTHWHILE: f64 = 1.2;
 const WORTHWHILE_IN_SHORT: f64 = 2.0;
-/// Differences may promise so much less than the best of all else, where most of what borders bring
-/// lies on the film and over lobes. Few paths hold much of the variance of those, and most pilots
-/// do not meet them (`docs/method.md`, 14). Lights are smaller and have no such tails.
-const WORTHWHILE_DIFFERENCES: f64 = 0.4;
-/// The share of lights from which that is not so.
+/// Differences may promise so much less than the best of all else: in crowds, elsewhere, and where
+/// most of what borders bring lies over lights. In crowds few paths hold much of the variance of
+/// cells, and most pilots do not meet them (`docs/method.md`, 14); lights have no such tails.
+const WORTHWHILE_DIFFERENCES: [f64; 3] = [0.4, 0.8, 1.0];
+/// It is a crowd if so many borders are found on the film for each path,
+const CROWD: f64 = 0.25;
+/// and lights are most from this share.
 const MOSTLY_LIGHTS: f64 = 0.5;
 
 /// A way that has been tried.
@@ -27,6 +29,8 @@ pub struct Tried {
     pub looks_over_lobes: bool,
     /// What is looked at beside borders, in all its work.
     pub probes_share: f64,
+    /// Borders that are found on the film, for each path.
+    pub film_borders: f64,
     /// What borders over lights and environment maps bring, of what all bring; one if nothing does.
     pub lights_share: f64,
     /// Where the noise lies, of what has been seen.
@@ -92,9 +96,12 @@ impl AllTried {
     /// What has the least noise for its work.
     pub fn best(&self) -> Contender {
         let ours = self.best_mixture();
-        let worthwhile = match self.usual().lights_share < MOSTLY_LIGHTS {
-            true => WORTHWHILE_DIFFERENCES,
-            false => 1.0,
+        let usual = self.usual();
+        let [in_crowds, elsewhere, beside_lights] = WORTHWHILE_DIFFERENCES;
+        let worthwhile = match usual {
+            _ if usual.film_borders >= CROWD => in_crowds,
+            _ if usual.lights_share < MOSTLY_LIGHTS => elsewhere,
+            _ => beside_lights,
         };
         match self.least(true) {
             Some(it) if self.cost(it) * worthwhile < self.cost(ours) => it.way,
@@ -147,10 +154,14 @@ mod tests {
     const USUAL: f64 = 10.0;
 
     fn after(film_at_rest: f64, differences: f64, paths: f64) -> Contender {
-        after_with(film_at_rest, differences, paths, 0.0)
+        after_with([film_at_rest, differences], paths, [0.0; 2])
     }
 
-    fn after_with(film_at_rest: f64, differences: f64, paths: f64, lights_share: f64) -> Contender {
+    fn after_with(
+        [film_at_rest, differences]: [f64; 2],
+        paths: f64,
+        [film_borders, lights_share]: [f64; 2],
+    ) -> Contender {
         let on = |film| {
             Contender::Mixture(Mixture {
                 film,
@@ -170,6 +181,7 @@ mod tests {
                 work: 2.0,
                 looks_over_lobes: false,
                 probes_share: 0.0,
+                film_borders,
                 lights_share,
                 noise: NoiseMap::default(),
             });
@@ -177,18 +189,18 @@ mod tests {
         all.best()
     }
 
-    /// Pilots miss some of the noise of paths, so that differences may promise less,
+    /// Pilots miss some of the noise of paths, in crowds most of it, and beside lights none.
     #[test]
     fn differences_may_promise_less() {
-        assert!(after(50.0, 2.4 * USUAL, 1000.0).is_difference());
-        assert!(!after(50.0, 2.6 * USUAL, 1000.0).is_difference());
-    }
-
-    /// but not beside lights, of which they miss little.
-    #[test]
-    fn differences_may_not_promise_less_than_cells_over_lights() {
-        assert!(after_with(50.0, 0.9 * USUAL, 1000.0, 0.6).is_difference());
-        assert!(!after_with(50.0, 1.1 * USUAL, 1000.0, 0.6).is_difference());
+        let is_taken = |differences: f64, film_borders: f64, lights_share: f64| {
+            let found = [50.0, differences * USUAL];
+            after_with(found, 1000.0, [film_borders, lights_share]).is_difference()
+        };
+        assert!(is_taken(1.2, 0.2, 0.4) && !is_taken(1.3, 0.2, 0.4));
+        assert!(is_taken(0.9, 0.2, 0.6) && !is_taken(1.1, 0.2, 0.6));
+        for lights_share in [0.4, 0.6] {
+            assert!(is_taken(2.4, 0.3, lights_share) && !is_taken(2.6, 0.3, lights_share));
+        }
     }
 
     /// What is rare is not seen by the few differences of a look.
@@ -207,14 +219,15 @@ mod tests {
                 work: 1.0,
                 looks_over_lobes: false,
                 probes_share: 0.0,
+                film_borders: 0.0,
                 lights_share: 0.0,
                 noise: NoiseMap::default(),
             });
         }
         assert!(all.best().is_difference() && all.differences_promise(4.0));
-        all.foretold_of_differences = 3.0 * USUAL;
+        all.foretold_of_differences = 2.0 * USUAL;
         assert!(!all.best().is_difference() && !all.differences_promise(1.0));
-        assert_eq!(all.pilot().trials[1].variance, 3.0 * USUAL);
+        assert_eq!(all.pilot().trials[1].variance, 2.0 * USUAL);
     }
 
     /// Short looks have to be clearer than whole ones.
@@ -238,6 +251,7 @@ mod tests {
                 work: 1.0,
                 looks_over_lobes: false,
                 probes_share: 0.0,
+                film_borders: 0.0,
                 lights_share: 0.0,
                 noise: NoiseMap::default(),
             });
