@@ -35,7 +35,7 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
     let worst = of_repeat.into_iter().fold(0.0, f64::max) / scatter;
     let (bias_squared, bias_squared_se) = Bias::new(&values, &reference.runs).mean_square();
     let variance = scatter / (repeats - 1.0) / numbers;
-    // What the noise of a reference leaves of none would drown methods that have hardly any.
+    // What is not told from the reference's noise would drown methods with hardly any of their own.
     let is_seen = bias_squared > BIAS_SEEN * bias_squared_se;
     let error = variance + if is_seen { bias_squared } else { 0.0 };
     let size = reference.rms.map(|rms| size_bias(&values, reference, rms));
