@@ -135,7 +135,8 @@ fn finish(
 ) -> Result<ForwardGradient, EngineError> {
     let image = stage.image(images.finish()?.0);
     let (gradient, stderr) = gradients.finish()?;
-    let worst = stderr.as_deref().and_then(share_of_worst_pixels);
+    let worst = stderr.as_deref();
+    let worst = worst.and_then(|stderr| share_of_worst_pixels(stderr, 1000));
     let worst = worst.map(|share| ("gradient".into(), share));
     statistics.largest_parts.extend(worst);
     Ok(ForwardGradient {

@@ -1,6 +1,6 @@
 //! What is said of results that few samples carry: see `gradient::terms`.
 
-use super::results::BackwardGradient;
+use super::results::{BackwardGradient, ForwardGradient};
 use crate::gradient::terms::Object;
 use crate::scene::Rgb;
 use crate::scene::parameters::{Parameter, Target};
@@ -39,12 +39,19 @@ fn object_of(target: Target) -> Option<Object> {
     }
 }
 
-/// The share of the variance that the worst pixel in a thousand holds, of standard errors.
-pub fn share_of_worst_pixels(stderr: &[Rgb]) -> Option<f64> {
+/// The share of the variance that the worst pixel in so many holds, of standard errors.
+pub fn share_of_worst_pixels(stderr: &[Rgb], in_so_many: usize) -> Option<f64> {
     let squares = |pixel: &Rgb| pixel.iter().map(|e| f64::from(*e).powi(2)).sum::<f64>();
     let mut variances: Vec<f64> = stderr.iter().map(squares).collect();
-    let worst = variances.len().div_ceil(1000);
+    let worst = variances.len().div_ceil(in_so_many);
     let sum: f64 = variances.iter().sum();
     variances.sort_unstable_by(|a, b| b.total_cmp(a));
     (sum > 0.0).then(|| variances[..worst].iter().sum::<f64>() / sum)
+}
+
+/// The same of those that were seen to have any; all of it if none has.
+pub fn share_of_worst_seen(found: &ForwardGradient, in_so_many: usize) -> f64 {
+    let errors = found.stderr.iter().flat_map(|image| &image.pixels);
+    let seen: Vec<Rgb> = errors.filter(|e| **e != [0.0; 3]).copied().collect();
+    share_of_worst_pixels(&seen, in_so_many).unwrap_or(1.0)
 }

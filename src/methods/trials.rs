@@ -14,7 +14,8 @@ use super::settings::Settings;
 use super::stage::Stage;
 use super::statistics::{Pilot, Statistics};
 use super::steps::Steps;
-use super::tried::{AllTried, Tried};
+use super::tails::share_of_worst_seen;
+use super::tried::{AllTried, Tried, WORST_IN};
 use super::work::{BORDER_US, DISPLACED_VERTEX_US, work};
 use crate::boundary::mixture::{Mixture, OnFilm, OverLobes};
 use crate::paths::film::drift::Drift;
@@ -185,6 +186,7 @@ impl<'a> Trials<'a> {
             probes_share: self.work_of(way, &probes) / self.work_of(way, rays),
             film_borders: borders[Integral::Film].found as f64 / rays["camera"] as f64,
             lights_share: borders.lights_share(),
+            worst_pixels: share_of_worst_seen(found, WORST_IN),
             noise: self.noise(way, found),
         });
     }

@@ -12,9 +12,13 @@ const WORTHWHILE_IN_SHORT: f64 = 2.0;
 /// most of what borders bring lies over lights. In crowds few paths hold much of the variance of
 /// cells, and most pilots do not meet them (`docs/method.md`, 14); lights have no such tails.
 const WORTHWHILE_DIFFERENCES: [f64; 3] = [0.4, 0.8, 1.0];
-/// It is a crowd if so many borders are found on the film for each path,
+/// It is a crowd if so many borders are found on the film for each path, and what differences see is
+/// even: the worst pixel in so many holds less than this of their variance. Elsewhere, as in rooms
+/// before a camera that moves, pilots miss as much of the noise of differences.
 const CROWD: f64 = 0.25;
-/// and lights are most from this share.
+pub const WORST_IN: usize = 64;
+const EVEN: f64 = 0.4;
+/// Lights are most from this share.
 const MOSTLY_LIGHTS: f64 = 0.5;
 
 /// A way that has been tried.
@@ -33,6 +37,8 @@ pub struct Tried {
     pub film_borders: f64,
     /// What borders over lights and environment maps bring, of what all bring; one if nothing does.
     pub lights_share: f64,
+    /// The share of the variance that the worst pixel in [`WORST_IN`] holds.
+    pub worst_pixels: f64,
     /// Where the noise lies, of what has been seen.
     pub noise: NoiseMap,
 }
@@ -96,16 +102,19 @@ impl AllTried {
     /// What has the least noise for its work.
     pub fn best(&self) -> Contender {
         let ours = self.best_mixture();
+        let Some(differences) = self.least(true) else {
+            return ours.way;
+        };
         let usual = self.usual();
         let [in_crowds, elsewhere, beside_lights] = WORTHWHILE_DIFFERENCES;
-        let worthwhile = match usual {
-            _ if usual.film_borders >= CROWD => in_crowds,
-            _ if usual.lights_share < MOSTLY_LIGHTS => elsewhere,
-            _ => beside_lights,
+        let worthwhile = match usual.lights_share < MOSTLY_LIGHTS {
+            _ if usual.film_borders >= CROWD && differences.worst_pixels < EVEN => in_crowds,
+            true => elsewhere,
+            false => beside_lights,
         };
-        match self.least(true) {
-            Some(it) if self.cost(it) * worthwhile < self.cost(ours) => it.way,
-            _ => ours.way,
+        match self.cost(differences) * worthwhile < self.cost(ours) {
+            true => differences.way,
+            false => ours.way,
         }
     }
 
@@ -154,13 +163,13 @@ mod tests {
     const USUAL: f64 = 10.0;
 
     fn after(film_at_rest: f64, differences: f64, paths: f64) -> Contender {
-        after_with([film_at_rest, differences], paths, [0.0; 2])
+        after_with([film_at_rest, differences], paths, [0.0; 3])
     }
 
     fn after_with(
         [film_at_rest, differences]: [f64; 2],
         paths: f64,
-        [film_borders, lights_share]: [f64; 2],
+        [film_borders, lights_share, worst_pixels]: [f64; 3],
     ) -> Contender {
         let on = |film| {
             Contender::Mixture(Mixture {
@@ -183,6 +192,7 @@ mod tests {
                 probes_share: 0.0,
                 film_borders,
                 lights_share,
+                worst_pixels,
                 noise: NoiseMap::default(),
             });
         }
@@ -192,15 +202,17 @@ mod tests {
     /// Pilots miss some of the noise of paths, in crowds most of it, and beside lights none.
     #[test]
     fn differences_may_promise_less() {
-        let is_taken = |differences: f64, film_borders: f64, lights_share: f64| {
-            let found = [50.0, differences * USUAL];
-            after_with(found, 1000.0, [film_borders, lights_share]).is_difference()
+        let is_taken = |differences: f64, told: [f64; 3]| {
+            after_with([50.0, differences * USUAL], 1000.0, told).is_difference()
         };
-        assert!(is_taken(1.2, 0.2, 0.4) && !is_taken(1.3, 0.2, 0.4));
-        assert!(is_taken(0.9, 0.2, 0.6) && !is_taken(1.1, 0.2, 0.6));
+        let turns = |at: f64, told| is_taken(0.96 * at, told) && !is_taken(1.04 * at, told);
+        assert!(turns(1.25, [0.2, 0.4, 0.3]));
+        assert!(turns(1.0, [0.2, 0.6, 0.3]));
         for lights_share in [0.4, 0.6] {
-            assert!(is_taken(2.4, 0.3, lights_share) && !is_taken(2.6, 0.3, lights_share));
+            assert!(turns(2.5, [0.3, lights_share, 0.3]));
         }
+        // What few pixels hold is missed of differences, too.
+        assert!(turns(1.25, [0.3, 0.4, 0.5]));
     }
 
     /// What is rare is not seen by the few differences of a look.
@@ -221,6 +233,7 @@ mod tests {
                 probes_share: 0.0,
                 film_borders: 0.0,
                 lights_share: 0.0,
+                worst_pixels: 0.0,
                 noise: NoiseMap::default(),
             });
         }
@@ -253,6 +266,7 @@ mod tests {
                 probes_share: 0.0,
                 film_borders: 0.0,
                 lights_share: 0.0,
+                worst_pixels: 0.0,
                 noise: NoiseMap::default(),
             });
         }

@@ -35,9 +35,7 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
     let worst = of_repeat.into_iter().fold(0.0, f64::max) / scatter;
     let (bias_squared, bias_squared_se) = Bias::new(&values, &reference.runs).mean_square();
     let variance = scatter / (repeats - 1.0) / numbers;
-    // What is not told from the reference's noise would drown methods with hardly any of their own.
-    let is_seen = bias_squared > BIAS_SEEN * bias_squared_se;
-    let error = variance + if is_seen { bias_squared } else { 0.0 };
+    let square = squared_error(variance, bias_squared, bias_squared_se);
     let size = reference.rms.map(|rms| size_bias(&values, reference, rms));
     let mut rejected = BTreeMap::new();
     for (cause, count) in runs.iter().flat_map(|run| &run.rejected) {
@@ -45,7 +43,7 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
     }
     let all_rejected: u64 = rejected.values().sum();
     Figures {
-        rmse: error.sqrt() / unit,
+        rmse: square.sqrt() / unit,
         sd: variance.sqrt() / unit,
         bias_squared: bias_squared / unit.powi(2),
         bias_squared_se: bias_squared_se / unit.powi(2),
@@ -62,6 +60,13 @@ pub fn of(runs: &[Run], reference: &Reference, paths: u64, groups: u32) -> Figur
         rejected,
         rejected_share: all_rejected as f64 / (paths as f64 * repeats),
     }
+}
+
+/// Of one run. A bias that is not told from the reference's noise does not count: it would drown
+/// methods with hardly any noise of their own, or take off more than they have.
+fn squared_error(variance: f64, bias_squared: f64, bias_squared_se: f64) -> f64 {
+    let is_seen = bias_squared > BIAS_SEEN * bias_squared_se;
+    variance + if is_seen { bias_squared } else { 0.0 }
 }
 
 fn known(number: f64) -> Option<f64> {
@@ -96,4 +101,16 @@ fn coverage(runs: &[Run], reference: &Reference, groups: u32) -> Option<f64> {
         }
     }
     known(held as f64 / all as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_noise_of_a_reference_is_no_error() {
+        assert_eq!(squared_error(0.01, -1.0, 1.0), 0.01);
+        assert_eq!(squared_error(0.01, 1.9, 1.0), 0.01);
+        assert_eq!(squared_error(0.01, 2.1, 1.0), 2.11);
+    }
 }
