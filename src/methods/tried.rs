@@ -12,9 +12,9 @@ const WORTHWHILE_IN_SHORT: f64 = 2.0;
 /// most of what borders bring lies over lights. In crowds few paths hold much of the variance of
 /// cells, and most pilots do not meet them (`docs/method.md`, 14); lights have no such tails.
 const WORTHWHILE_DIFFERENCES: [f64; 3] = [0.4, 0.8, 1.0];
-/// It is a crowd if so many borders are found on the film for each path, and what differences see is
-/// even: the worst pixel in so many holds less than this of their variance. Elsewhere, as in rooms
-/// before a camera that moves, pilots miss as much of the noise of differences.
+/// It is a crowd if so many borders are found on the film for each path, and what differences see
+/// is even: the worst pixel in so many holds less than this of their variance. Elsewhere, as in
+/// rooms before a camera that moves, pilots miss as much of the noise of differences.
 const CROWD: f64 = 0.25;
 pub const WORST_IN: usize = 64;
 const EVEN: f64 = 0.4;
