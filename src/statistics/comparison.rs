@@ -12,6 +12,9 @@ pub const PICTURE_ROUNDING: f64 = 1e-6;
 /// Differences below this share of the largest number are rounding, which has no error bar.
 const ROUNDING: f64 = 1e-4;
 
+/// Pixels whose noise is as if it were one number's: what a filter makes alike.
+const ALIKE: f64 = 4.0;
+
 /// Two independent estimates of one gradient image, compared.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
@@ -113,11 +116,12 @@ impl Comparison {
         let scale = if significant { signal } else { f64::NAN };
         let slope = sums.ab / scale;
         // The scatter over blocks holds although neighbouring pixels share samples; the bias itself
-        // is out.
+        // is out, and with it so much of what may be noise in the signal.
         let scatter: f64 = clusters
             .iter()
             .map(|[ab, bb, _]| (ab - slope * bb).powi(2))
             .sum();
+        let chance = (1.0 - slope * slope).max(0.0) * variance_of_signal(reference);
         let within: f64 = clusters.iter().map(|c| 2.0 * c[2] * c[2]).sum();
         let count = sums.compared.max(1) as f64;
         let pixel = largest.1 / 3;
@@ -125,7 +129,7 @@ impl Comparison {
             tested_runs: tested.runs(),
             reference_runs: reference.runs(),
             relative_bias: slope - 1.0,
-            relative_bias_se: scatter.max(sums.noise_on_b).sqrt() / scale,
+            relative_bias_se: (scatter.max(sums.noise_on_b) + chance).sqrt() / scale,
             reference_noise_share: sums.reference_noise_on_b
                 / sums.noise_on_b.max(f64::MIN_POSITIVE),
             blocks: block_excess(tested, reference, rounding, significant),
@@ -181,6 +185,19 @@ impl Excess {
             },
         }
     }
+}
+
+/// Of Σ(b² − σ²), where b is nothing but noise: 2σ⁴ for a normal number.
+fn variance_of_signal(reference: &Replicates) -> f64 {
+    let variances: Vec<f64> = reference
+        .numbers()
+        .map(|(_, error)| error * error)
+        .collect();
+    let pixels = variances.chunks(3).map(|channels| channels.iter().sum());
+    ALIKE
+        * pixels
+            .map(|variance: f64| 2.0 * variance * variance)
+            .sum::<f64>()
 }
 
 fn block_excess(

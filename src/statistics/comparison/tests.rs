@@ -173,3 +173,24 @@ fn rounding_alone_is_zero() {
     );
     assert!(!Comparison::of(&zero, &other, 1e-12).is_zero);
 }
+
+/// Where pixels beside one another and all channels share their noise, chance alone may look like a
+/// gradient that the other estimate does not have.
+#[test]
+fn shared_noise_is_no_signal() {
+    let noise = |seed: u64, size: f64| {
+        let square = |at: usize| at / 3 % SIDE / 2 + at / 3 / SIDE / 2 * SIDE;
+        let size = |at: usize| if square(at) % 25 == 3 { size } else { 0.0 };
+        let mut replicates = Replicates::default();
+        for run in 0..RUNS as u64 {
+            let seed = seed * RUNS as u64 + run;
+            let noisy = image(|at| size(at) * normal(seed, square(at)));
+            replicates.add(&noisy, &image(size));
+        }
+        replicates
+    };
+    let pairs = (0..200).map(|i| Comparison::of(&noise(2 * i, 0.1), &noise(2 * i + 1, 1.0), 0.0));
+    let told: Vec<_> = pairs.filter(|c| c.reference_is_significant).collect();
+    let apart = told.iter().filter(|c| !c.agrees(4.0, 0.1)).count();
+    assert!(told.len() > 40 && apart <= 1, "{apart} of {}", told.len());
+}
