@@ -55,6 +55,23 @@ pub struct Between {
     pub ridges: Vec<Crossing>,
 }
 
+impl Between {
+    /// Ridges that lie in one place are one, since who looks beside one of them sees them all. Of
+    /// an edge and lines of a picture along it the edge stays: there rays may be bent otherwise.
+    fn new(silhouette: Option<(Crossing, Option<usize>)>, mut ridges: Vec<Crossing>) -> Self {
+        let is_line = |ridge: &Crossing| matches!(ridge.boundary, Boundary::TextureEdge { .. });
+        ridges.sort_by(|a, b| a.s.total_cmp(&b.s));
+        ridges.dedup_by(|next, kept| {
+            let is_same = next.s - kept.s < ROUNDING;
+            if is_same && is_line(kept) {
+                *kept = *next;
+            }
+            is_same
+        });
+        Self { silhouette, ridges }
+    }
+}
+
 impl Pencil {
     fn reversed(self) -> Self {
         let ([o, p], [d, e]) = (self.starts, self.directions);
@@ -120,18 +137,13 @@ pub fn between(
     [a, b]: [u32; 2],
 ) -> Result<Between, Unresolved> {
     if a == b {
-        return Ok(Between {
-            silhouette: None,
-            ridges: texture_lines(geometry, a, pencil, [0.0, 1.0]),
-        });
+        let ridges = texture_lines(geometry, a, pencil, [0.0, 1.0]);
+        return Ok(Between::new(None, ridges));
     }
     let mut before = Vec::new();
     let from_a = (a != NO_TRIANGLE).then(|| walk(geometry, adjacency, pencil, [a, b], &mut before));
     if let Some(Walk::Reached) = from_a {
-        return Ok(Between {
-            silhouette: None,
-            ridges: before,
-        });
+        return Ok(Between::new(None, before));
     }
     let mut after = Vec::new();
     let back = pencil.reversed();
@@ -145,10 +157,7 @@ pub fn between(
     };
     let (fold, near) = match (from_a, from_b) {
         (_, Some(Walk::Reached)) => {
-            return Ok(Between {
-                silhouette: None,
-                ridges: after,
-            });
+            return Ok(Between::new(None, after));
         }
         (Some(Walk::Fold(f)), Some(Walk::Fold(g))) => {
             if f.distance <= g.distance {
@@ -161,10 +170,7 @@ pub fn between(
         (_, Some(Walk::Fold(g))) => (turned(g), 1),
         (Some(Walk::Continues), Some(Walk::Continues)) => {
             let silhouette = Some((crease(geometry, pencil, [a, b])?, None));
-            return Ok(Between {
-                silhouette,
-                ridges: Vec::new(),
-            });
+            return Ok(Between::new(silhouette, Vec::new()));
         }
         _ => return Err(Unresolved::Lost),
     };
@@ -176,13 +182,8 @@ pub fn between(
     } else {
         Kind::Silhouette
     };
-    Ok(Between {
-        silhouette: Some((
-            Crossing::new(Boundary::Edge(fold.edge), kind, fold.s),
-            Some(near),
-        )),
-        ridges: before,
-    })
+    let silhouette = Crossing::new(Boundary::Edge(fold.edge), kind, fold.s);
+    Ok(Between::new(Some((silhouette, Some(near))), before))
 }
 
 /// Where two surfaces pass through each other that both go on.

@@ -5,7 +5,7 @@ use common::comparison::*;
 use common::materials::Paint;
 use common::scenes::*;
 use common::transposition::transposed;
-use glam::{Affine2, Vec3, vec3};
+use glam::{Affine2, Vec2, Vec3, vec3};
 use warpath::methods::Method;
 use warpath::scene::{Layout, Scene, Wrap};
 
@@ -101,6 +101,46 @@ fn a_body_of_panes_or_masks() {
         checked(&scene, 256, "block.translation", 0.03);
         checked(&scene, 256, "cam.translation", 0.02);
     }
+}
+
+/// A body of six sides that are cut out like a checkerboard, whose lines run along the body's
+/// edges: seen through its holes an edge was once found with each of the lines, and counted as
+/// often.
+#[test]
+fn edges_with_lines_along_them() {
+    let (corners, triangles) = placed(
+        cuboid(Vec3::splat(0.6)),
+        vec3(0.0, 0.0, 25.0),
+        vec3(0.0, 0.0, 0.8),
+    );
+    let sides = triangles
+        .chunks(2)
+        .map(|side| [side[0][0], side[0][1], side[0][2], side[1][2]]);
+    let sides: Vec<Vec3> = sides.flatten().map(|i| corners[i as usize]).collect();
+    let fans = (0..6).flat_map(|side| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| 4 * side + i)));
+    let mut scene = scene(
+        vec3(1.0, -6.0, 3.0),
+        vec3(0.0, 0.0, 0.7),
+        24.0,
+        [16; 2],
+        GAUSSIAN,
+    )
+    .solid("block", (sides, fans.collect()), [0.1; 3])
+    .masked("block", 1.0)
+    .constant_environment(SKY)
+    .depth(4);
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from);
+    scene.meshes[0].uvs = (0..6).flat_map(|_| square).collect();
+    let opacity = scene
+        .textures
+        .iter_mut()
+        .find(|t| t.key == "block.bsdf.opacity");
+    let opacity = opacity.expect("an opacity");
+    opacity.texels = vec![[1.0; 3], [0.0; 3]];
+    opacity.layout = Layout::Checkerboard {
+        to_uv: Affine2::IDENTITY,
+    };
+    checked(&scene, 256, "block.rotation", 0.03);
 }
 
 #[test]
