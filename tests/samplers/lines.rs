@@ -15,10 +15,11 @@ use warpath::paths::surface::lobe_sample::cosine_direction;
 use warpath::scene::Distribution::Ggx;
 
 /// Counts how often a point of lines, their two ends apart, falls between two angles, against the
-/// chance they tell.
+/// chances they tell.
 struct Run {
     ends: [f64; 2],
-    chance: f64,
+    /// Their sum.
+    chances: f64,
     counts: [usize; 2],
 }
 
@@ -26,7 +27,7 @@ impl Run {
     fn new(ends: [f64; 2]) -> Self {
         Self {
             ends,
-            chance: 0.0,
+            chances: 0.0,
             counts: [0; 2],
         }
     }
@@ -38,18 +39,20 @@ impl Run {
         }
         let intervals = line.intervals(&self.ends);
         let met = (intervals.places[1] - intervals.places[0]).min(1.0);
-        self.chance = 1.0 - (1.0 - met) * (1.0 - intervals.extra[1]);
+        self.chances += 1.0 - (1.0 - met) * (1.0 - intervals.extra[1]);
         let inner = &psi[1..psi.len() - 1];
         self.counts[inner.iter().any(|p| (from..to).contains(p)) as usize] += 1;
     }
 
     fn check(&self, what: &str) {
         let what = format!("{what}, points in {:?}", self.ends);
-        assert!(self.counts.iter().sum::<usize>() > SAMPLES / 2, "{what}");
-        if self.chance >= 1.0 {
+        let lines = self.counts.iter().sum::<usize>();
+        assert!(lines > SAMPLES / 2, "{what}");
+        let chance = self.chances / lines as f64;
+        if chance >= 1.0 {
             return assert_eq!(self.counts[0], 0, "{what}");
         }
-        expect_shares(&what, &self.counts, &[1.0 - self.chance, self.chance]);
+        expect_shares(&what, &self.counts, &[1.0 - chance, chance]);
     }
 }
 
@@ -169,6 +172,43 @@ fn lines_of_narrow_lobes() {
             }
             for run in &runs {
                 run.check(&format!("lines of {what} about pole {axis}"));
+            }
+        }
+    }
+}
+
+/// Far off the middle of a lobe of GGX's shape, along and across lines and on both at once, as much
+/// light goes where points lie as in its middle, and not many times as much.
+#[test]
+fn points_lie_as_light_does() {
+    /// A lobe is not quite (1 + φ² + ψ²)⁻²; off both axes it would be 7 times as much if points lay
+    /// alike on all lines.
+    const MOST: f64 = 2.0;
+    let swatch = Swatch::new(bare().metal("floor", 0.02, Ggx), false);
+    let view = swatch.view();
+    let (vertices, surface) = swatch.seen(&view, &[incidence(30.0)]);
+    let stream = Stream::new(0, [0, 0]);
+    let here = Swatch::at(&view, &vertices, &surface, &stream);
+    let mut at = LaneSurface::new(&here, 0, Lobe::Reflected);
+    // Of a number in units of the lobe's width the place that it is drawn by.
+    let place = |x: f64| 0.5 * (1.0 + x / x.hypot(1.0));
+    for axis in 0..2 {
+        let middle = Line::lobe(&at, axis, 0.5, 0.5).expect("a line");
+        let width = middle.at_place(middle.place(0.0) + 1.0);
+        // The second of four points lies a quarter of them from the middle: at x with place 3/4.
+        let width = width * 3f64.sqrt();
+        let mut light_over_points = |x: f64, y: f64| {
+            let line = Line::lobe(&at, axis, place(x), 0.5).expect("a line");
+            let psi = y * width;
+            let points = (line.place(psi + 1e-6) - line.place(psi - 1e-6)) / 2e-6;
+            let (_, weight, density) = at.value(line.direction(psi)).expect("above the horizon");
+            weight.x * density * psi.cos() * line.inverse_density / points
+        };
+        let of_middle = light_over_points(0.0, 0.0);
+        for x in [-5.0, 0.0, 5.0] {
+            for y in [-5.0, 0.0, 5.0] {
+                let of_place = light_over_points(x, y) / of_middle;
+                assert!(of_place < MOST, "pole {axis}, ({x}, {y}): {of_place}");
             }
         }
     }

@@ -295,6 +295,9 @@ impl Line {
         let middle = main * phi.cos() + other * phi.sin();
         let [low, high] = above_horizon(pole, middle, at.n * at.side())?;
         let scale = 1.0 + (phi / turn).powi(2);
+        // Of (1 + φ² + ψ²)⁻², which is GGX's shape in units of its width, the part on one line is
+        // √(1 + φ²) times as wide as on the one through its middle.
+        let width = width * scale.sqrt();
         let spread = Spread::Lobe { width };
         let mut psi: Vec<f64> = (0..INNER_POINTS)
             .map(|k| 2.0 * (k as f64 + jitter) / INNER_POINTS as f64 - 1.0)
